@@ -260,10 +260,10 @@ impl Diagnosis {
             (None, curve) => curve.or_else(|| additions.iter().find(pays)),
         };
         let before_others = law.zip(chosen).is_some_and(|(law, chosen)| is_of_group(chosen) && !is_of_group(law));
-        // What the fitted rows want far more fails on the unseen ones: a further effect would follow errors of the model.
+        // What the fitted rows want far more fails on the unseen ones: the effect would follow errors of the model.
         let is_rival = |one: &&Addition| !(before_others && !is_of_group(one)) && (!is_curve(one) || law.is_none());
         let most_wanted = additions.iter().filter(is_rival).map(|one| one.probability).fold(0.0, f64::max);
-        let chosen = chosen.filter(|one| is_first || one.probability * RIVALS_WITHIN >= most_wanted).cloned();
+        let chosen = chosen.filter(|one| one.probability * RIVALS_WITHIN >= most_wanted).cloned();
         let mut stays = exp(logs[at] - total);
         if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
             // Curves are asked only after the laws. Single places stand behind the surface that goes before them, whatever they

@@ -15,8 +15,9 @@ use crate::measurement::{InputColumn, InputTable, Measurement, Rows};
 
 /// Rows of a transient up to which every row is kept.
 const MOST_ROWS: usize = 1000;
-/// Rows that are left of longer ones.
-const ROWS_LEFT: usize = 500;
+/// Rows that are left of longer ones: the fewest that follow all inputs, or the first where none of these does. An orbit of 100 minutes
+/// in a record of a week wants 2000.
+const ROWS_LEFT: [usize; 4] = [500, 1000, 2000, 4000];
 
 /// Distance of an input from its means, as a share of its spread, above which these do not follow it.
 const MOST_STRAYING: f64 = 0.3;
@@ -35,16 +36,11 @@ impl Problem {
     /// The problem on fewer rows, whose transients may err by so many times the usual local error in a step. `None` where no
     /// transient is long.
     pub(crate) fn thinned(&self, tolerance: f64) -> Option<Thinned> {
-        let kept: Vec<Option<Vec<usize>>> = self.measurements.iter().map(kept_rows).collect();
+        let mut is_quick = vec![false; self.model.inputs.len()];
+        let kept: Vec<Option<Vec<usize>>> =
+            self.measurements.iter().map(|measurement| kept_rows(measurement, &mut is_quick)).collect();
         if kept.iter().all(Option::is_none) {
             return None;
-        }
-        let mut is_quick = vec![false; self.model.inputs.len()];
-        for (measurement, rows) in self.measurements.iter().zip(&kept) {
-            if let (Rows::Transient { inputs, .. }, Some(rows)) = (&measurement.rows, rows) {
-                let quick = inputs.columns.iter().filter(|column| strays(&column.values, rows) > MOST_STRAYING);
-                quick.for_each(|column| is_quick[column.input] = true);
-            }
         }
         let mut problem = Problem { tolerance, ..self.clone() };
         for (measurement, rows) in problem.measurements.iter_mut().zip(&kept) {
@@ -106,19 +102,35 @@ pub(crate) fn times(measurement: &Measurement) -> &[f64] {
     }
 }
 
-/// The rows that a long transient keeps: one of several, and the last with a reading to fit. `None` where all are kept.
-fn kept_rows(measurement: &Measurement) -> Option<Vec<usize>> {
+/// The rows that a long transient keeps: one of several, and the last with a reading to fit. `None` where all are kept. Inputs that
+/// they do not follow become quick ones.
+fn kept_rows(measurement: &Measurement, is_quick: &mut [bool]) -> Option<Vec<usize>> {
+    let Rows::Transient { inputs, .. } = &measurement.rows else { return None };
+    let last = last_fitted(measurement).filter(|last| *last >= MOST_ROWS)?;
+    let quick = |rows: &[usize]| -> Vec<usize> {
+        let strays = inputs.columns.iter().filter(|column| strays(&column.values, rows) > MOST_STRAYING);
+        strays.map(|column| column.input).collect()
+    };
+    // Where half of the rows are kept, little is gained.
+    let mut all = ROWS_LEFT.into_iter().filter(|left| 2 * left <= last).map(|left| one_of_several(last, left));
+    let first = one_of_several(last, ROWS_LEFT[0]);
+    let kept = all.find(|rows| quick(rows).is_empty()).unwrap_or(first);
+    quick(&kept).into_iter().for_each(|input| is_quick[input] = true);
+    Some(kept)
+}
+
+/// So many rows up to the last, evenly, and this.
+fn one_of_several(last: usize, left: usize) -> Vec<usize> {
+    (0..last).step_by(last.div_ceil(left)).chain([last]).collect()
+}
+
+/// The last row with a reading to fit.
+fn last_fitted(measurement: &Measurement) -> Option<usize> {
     let is_fitted = |row: &usize| {
         let has_reading = || (0..measurement.sensors.len()).any(|sensor| measurement.reading(*row, sensor).is_some());
         !measurement.ignored(*row) && !measurement.held_out(*row) && has_reading()
     };
-    let last = (0..measurement.len()).rev().find(is_fitted)?;
-    if times(measurement).is_empty() || last < MOST_ROWS {
-        return None;
-    }
-    let mut rows: Vec<usize> = (0..last).step_by(last.div_ceil(ROWS_LEFT)).collect();
-    rows.push(last);
-    Some(rows)
+    (0..measurement.len()).rev().find(is_fitted)
 }
 
 /// Leaves some rows of a transient, with the inputs' means about them.

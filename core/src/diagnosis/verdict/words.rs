@@ -5,6 +5,7 @@ use crate::diagnosis::output::{
     Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
+use crate::diagnosis::story::rises;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
@@ -214,6 +215,18 @@ pub fn clearness(p: f64, false_alarm: f64) -> String {
         return format!("the tests find no misfit in that ({})", p_stated(p));
     }
     format!("that is a misfit ({}, the probability of one as clear as this where nothing is missing)", p_stated(p))
+}
+
+/// That the effect which the fitted rows want most fails on the held-out ones.
+fn fails_on_held_out(findings: &Findings<'_>) -> Option<String> {
+    let step = findings.story.as_ref()?.steps.first()?;
+    let most = step.additions.first()?;
+    let [before, after] = [step.before, most.place].map(|place| findings.state.refits[place].rmse_held_out_k);
+    let (before, after) = before.zip(after).filter(|(before, after)| rises([Some(*before), Some(*after)]))?;
+    Some(format!(
+        "What the fitted rows want most, {}, fails on the held-out rows: their error goes from {before:.2} to {after:.2} K.",
+        findings.id(most.effect)
+    ))
 }
 
 /// `a, b and c`.
@@ -428,6 +441,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             if findings.vetoed {
                 words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
             }
+            words.extend(fails_on_held_out(findings));
         }
         Verdict::Identified | Verdict::Ambiguous => {
             // What invents nothing goes first.
