@@ -155,7 +155,26 @@ impl Diagnosis {
                 at = better;
             }
         }
-        Story { log_evidences, ..self.largest_first(state, &logs, story) }
+        let ordered = self.largest_first(state, &logs, story);
+        Story { log_evidences, ..self.until_contradicted(state, &logs, ordered) }
+    }
+
+    /// The steps before the first whose effect is far less probable than another that fails on the unseen rows: it would follow
+    /// errors of the model.
+    fn until_contradicted(&self, state: &State, logs: &[f64], mut story: Story) -> Story {
+        let is_curve = |one: &Addition| self.is_unknown_function(one.effect);
+        let is_contradicted = |step: &Step| {
+            let Some(own) = step.additions.iter().find(|one| step.chosen == Some(one.place)) else { return false };
+            let rivals = step.additions.iter().filter(|one| is_curve(own) || !is_curve(one));
+            own.probability * RIVALS_WITHIN < rivals.map(|one| one.probability).fold(0.0, f64::max)
+        };
+        if let Some(number) = story.steps.iter().position(is_contradicted) {
+            let last = Step { chosen: None, ..self.step(state, logs, story.sets[number]) };
+            story.sets.truncate(number + 1);
+            story.steps.truncate(number);
+            story.steps.push(last);
+        }
+        story
     }
 
     /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole
