@@ -501,6 +501,10 @@ impl Job for Propagate {
         true
     }
 
+    fn so_far(&self, blocks: Done<Self>) -> Vec<String> {
+        self.met_so_far(&blocks)
+    }
+
     fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
         let per_case = usize::try_from(self.spec.samples.div_ceil(self.block_samples())).unwrap_or(usize::MAX);
         let mut cases = Vec::new();

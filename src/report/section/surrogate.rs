@@ -64,8 +64,8 @@ fn warnings(output: &Output) -> Vec<Block> {
 fn opening(name: &str, output: &Output) -> Text {
     let words = format!(
         ": a Gaussian process for each output over {} in place of {}. {} lie within the priors and the inputs' ranges, {} where readings \
-         or requirements needed them. The error of each output is a parameter of its own, a standard normal number times the process' \
-         standard deviation at the point: so every result carries it.",
+         or requirements needed them. The error of each output is a sum of standard normal parameters, some of them its values at anchors: it \
+         has the process' standard deviation at each point, and goes together at near points. So every result carries it.",
         output.coordinates.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
         output.model,
         counted(usize::try_from(output.first_runs).unwrap_or(usize::MAX), "run"),
@@ -87,12 +87,15 @@ fn outputs(output: &Output) -> Block {
             significant(own.worst, 2).into(),
             own.error_where_needed.map_or_else(|| NONE.to_owned(), |error| significant(error, 2)).into(),
             significant(own.widened, 3).into(),
+            own.beside_anchors.map_or_else(|| NONE.to_owned(), |share| percent(share, 2)).into(),
         ]
     });
     Block::Table(Table {
         caption: "Cross-validated error of each output: root mean square over runs that were left out one by one, hyperparameters \
                   fitted in ten folds; beside the output's standard deviation over the priors. Where needed: of the runs of the rounds \
-                  alone. Widened: the factor on the process' standard deviation that the runs left out asked for."
+                  alone. Widened: the factor on the process' standard deviation that the runs left out asked for. Beside anchors: the share of \
+                  the error's variance that the parameters at the anchors leave; it counts as the same number of standard deviations at \
+                  all points."
             .into(),
         columns: vec![
             Column::text("Output"),
@@ -103,6 +106,7 @@ fn outputs(output: &Output) -> Block {
             Column::number("Largest", ""),
             Column::number("Where needed", ""),
             Column::number("Widened", ""),
+            Column::number("Beside anchors", ""),
         ],
         rows: rows.collect(),
     })

@@ -184,7 +184,16 @@ impl<'a> Driver<'a> {
         });
         let limits = match state.limits {
             Some(limits) => limits,
-            None => self.scheduler.limits(&self.record.options).map_err(|error| self.refused(error))?,
+            None => {
+                let limits = self.scheduler.limits(&self.record.options).map_err(|error| self.refused(error))?;
+                if limits.keeps_accounts == Some(false) {
+                    self.tell(format!(
+                        "this {} keeps no accounts: why a task ended is known for some minutes only",
+                        self.scheduler.name()
+                    ));
+                }
+                limits
+            }
         };
         state.limits = Some(limits);
         let options = &self.record.options;

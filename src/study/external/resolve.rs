@@ -4,9 +4,12 @@ use crate::document::hash::sha256_hex;
 use crate::document::{Amount, Diagnostic, Diagnostics, Map, Place, Sense, Spanned, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::study::folder::{Folder, FolderError};
+use crate::thermal::Derivatives;
 
 use super::command::{self, Command, Input, Program, Separator, Table, Template};
-use super::form::{CommandForm, CsvFromForm, FromForm, InputForm, TemplateForm, UmBridgeForm, UnitsForm};
+use super::form::{
+    CommandForm, CsvFromForm, DerivativesForm, FromForm, InputForm, TemplateForm, UmBridgeForm, UnitsForm,
+};
 use super::{Calls, External, Given, How, Output, UmBridge};
 
 /// Seconds that a call may take where nothing is said.
@@ -48,6 +51,7 @@ struct Common<'f> {
     place: &'f Place,
     units: UnitsForm,
     steps: &'f Map<Amount>,
+    derivatives: DerivativesForm,
     timeout: &'f Option<Amount>,
     retries: &'f Option<Spanned<u64>>,
     /// Repetitions where nothing is said.
@@ -124,6 +128,15 @@ impl Sources<'_> {
             (steps[place], stated[place]) = (step, true);
         }
         let states_steps = self.asked.iter().zip(&stated).all(|(asked, stated)| *stated || !asked.is_uncertain);
+        let derivatives = match common.derivatives {
+            DerivativesForm::Served => Derivatives::Served,
+            DerivativesForm::Differences if states_steps => Derivatives::StatedSteps,
+            DerivativesForm::Differences => Derivatives::UsualSteps,
+        };
+        if let (Derivatives::Served, Some(entry)) = (derivatives, common.steps.iter().next()) {
+            let message = "steps of differences beside derivatives that are served";
+            wrong(&entry.name_place, message, "one of `steps` and \"derivatives\": \"served\"", diagnostics);
+        }
         let mut limited = |written: &Option<Spanned<u64>>, least: u64, most: u64, what: &str| {
             let written = written.as_ref()?;
             if !(least..=most).contains(&written.value) {
@@ -156,7 +169,7 @@ impl Sources<'_> {
             outputs,
             is_si: common.units == UnitsForm::Si,
             steps,
-            states_steps,
+            derivatives,
             calls: Calls { timeout_s, retries, at_once },
             how,
         }
@@ -242,6 +255,7 @@ pub fn command(form: &Spanned<CommandForm>, sources: &Sources<'_>, diagnostics: 
         place,
         units: form.units,
         steps: &form.steps,
+        derivatives: DerivativesForm::Differences,
         timeout: &form.timeout,
         retries: &form.retries,
         usual_retries: 0,
@@ -392,6 +406,7 @@ pub fn umbridge(
         place,
         units: form.units,
         steps: &form.steps,
+        derivatives: form.derivatives,
         timeout: &form.timeout,
         retries: &form.retries,
         usual_retries: SERVER_RETRIES,
