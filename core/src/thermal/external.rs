@@ -110,6 +110,11 @@ impl External {
         }
     }
 
+    /// Whether a surrogate answers, which takes no time to speak of.
+    pub fn is_surrogate(&self) -> bool {
+        !self.errors.is_empty()
+    }
+
     /// As [`Evaluator::broken`].
     pub fn broken(&self) -> Option<String> {
         self.evaluator.as_ref()?.broken()

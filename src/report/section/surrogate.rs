@@ -10,6 +10,9 @@ use crate::report::view::PassReport;
 
 use super::Entry;
 
+/// Needs are stated down to this.
+const SMALL: f64 = 0.000_001;
+
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Surrogate);
 
@@ -132,8 +135,8 @@ fn readings(output: &Output) -> Option<Block> {
         .collect();
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: "Error of the surrogate where the posterior lies, beside the noise of each sensor. Marked: below the noise; below it \
-                      there, though the cross-validated error over all runs is not; above it."
+            caption: "Error of the surrogate where the posterior lies, beside the noise of each sensor. It is marked as good below the noise, with \
+                      caution where the cross-validated error over all runs exceeds the noise, and as bad above the noise."
                 .into(),
             columns: vec![
                 Column::text("Sensor"),
@@ -156,7 +159,10 @@ fn rounds(output: &Output) -> Option<Block> {
             vec![
                 runs.to_string().into(),
                 Cell::from(Text::with_names(&need.what)),
-                Cell::marked(significant(need.error, 2), status),
+                Cell::marked(
+                    if need.error < SMALL { format!("< {SMALL}") } else { significant(need.error, 2) },
+                    status,
+                ),
                 significant(need.allowed, 2).into(),
             ]
         })

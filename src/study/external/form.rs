@@ -145,7 +145,7 @@ written_struct! {
         default(DerivativesForm::Differences) derivatives: DerivativesForm,
         /// Steps of finite differences, by parameter or input, in its unit.
         default(Map::default()) steps: Map<Amount>,
-        /// How long a request may take (10 minutes).
+        /// How long a request may take (an hour).
         optional timeout: Amount,
         /// How often a request that failed is tried again (2).
         optional retries: Spanned<u64>,

@@ -14,6 +14,9 @@ use super::{Calls, External, Given, How, Output, UmBridge};
 
 /// Seconds that a call may take where nothing is said.
 const TIMEOUT_S: f64 = 600.0;
+/// Seconds that a request to a server may take where nothing is said: models of servers run for ten minutes and more, and a request is
+/// not ended by being given up.
+const SERVER_TIMEOUT_S: f64 = 3600.0;
 /// Longest time of a call: a week.
 const LONGEST_S: f64 = 7.0 * 86_400.0;
 /// Most repetitions of a call.
@@ -53,6 +56,8 @@ struct Common<'f> {
     steps: &'f Map<Amount>,
     derivatives: DerivativesForm,
     timeout: &'f Option<Amount>,
+    /// Seconds of a call where nothing is said.
+    usual_timeout_s: f64,
     retries: &'f Option<Spanned<u64>>,
     /// Repetitions where nothing is said.
     usual_retries: u64,
@@ -147,7 +152,7 @@ impl Sources<'_> {
         };
         let retries = limited(common.retries, 0, MOST_RETRIES, "repetitions").unwrap_or(common.usual_retries);
         let at_once = limited(common.at_once, 1, MOST_AT_ONCE, "calls at a time");
-        let mut timeout_s = TIMEOUT_S;
+        let mut timeout_s = common.usual_timeout_s;
         if let Some(amount) = common.timeout
             && let Some(seconds) = amount.si(Dimension::TIME, None, Sense::Difference, diagnostics)
         {
@@ -257,6 +262,7 @@ pub fn command(form: &Spanned<CommandForm>, sources: &Sources<'_>, diagnostics: 
         steps: &form.steps,
         derivatives: DerivativesForm::Differences,
         timeout: &form.timeout,
+        usual_timeout_s: TIMEOUT_S,
         retries: &form.retries,
         usual_retries: 0,
         at_once: &form.at_once,
@@ -408,6 +414,7 @@ pub fn umbridge(
         steps: &form.steps,
         derivatives: form.derivatives,
         timeout: &form.timeout,
+        usual_timeout_s: SERVER_TIMEOUT_S,
         retries: &form.retries,
         usual_retries: SERVER_RETRIES,
         at_once: &form.at_once,
