@@ -381,7 +381,7 @@ fn a_served_network_is_a_model_of_another_pass() {
 #[test]
 fn derivatives_that_a_server_offers_are_used_where_the_study_says_so() {
     const FIT: &str = r#""fit": {"calibrate": {"parameters": ["eps"], "sampler": "nuts", "chains": 2, "warmup": 100, "draws": 100}},
-      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 64, "inner": 16}},
+      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 16}},
       "effects": {"sensitivity": {"methods": ["local", "derivative"], "samples": 16}}"#;
     let network = study(NODES, FIT);
     let server = Server::start(network.path(), "0");

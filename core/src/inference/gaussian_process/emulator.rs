@@ -111,9 +111,10 @@ impl Emulator {
         // Anchors that rounding does not tell apart are none: the error is a rest altogether.
         let is_sound = cholesky::factor(&mut covariance, m).is_ok();
         let anchors = if is_sound { anchors.to_vec() } else { Vec::new() };
-        let whitened: Vec<(Vec<f64>, Vec<f64>)> = anchors.iter().map(|anchor| process.whitened(anchor)).collect();
+        let (of_points, of_trend): (Vec<Vec<f64>>, Vec<Vec<f64>>) =
+            anchors.iter().map(|anchor| process.whitened(anchor)).unzip();
         let part = |k: usize| {
-            // Row k of L^-1, from L' x = e_k read as columns.
+            // Row k of L^-1: its entry in each column.
             let mut row = vec![0.0; anchors.len()];
             for (j, slot) in row.iter_mut().enumerate() {
                 let mut unit = vec![0.0; anchors.len()];
@@ -121,17 +122,16 @@ impl Emulator {
                 cholesky::solve_lower(&covariance, &mut unit);
                 *slot = unit[k];
             }
-            let sum = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> Vec<f64>, size: usize| {
+            let sum = |of: &[Vec<f64>], size: usize| {
                 let mut sum = vec![0.0; size];
-                for (weight, own) in row.iter().zip(&whitened) {
-                    sum.iter_mut().zip(of(own)).for_each(|(slot, value)| *slot += weight * value);
+                for (weight, own) in row.iter().zip(of) {
+                    sum.iter_mut().zip(own).for_each(|(slot, value)| *slot += weight * value);
                 }
                 sum
             };
-            let seen = sum(&|own| own.0.clone(), process.training().len());
-            let mut trend = sum(&|own| own.1.clone(), factored.basis.len());
+            let mut points = sum(&of_points, process.training().len());
+            let mut trend = sum(&of_trend, factored.basis.len());
             cholesky::solve_lower_transposed(&factored.coefficients, &mut trend);
-            let mut points = seen;
             for (basis, weight) in factored.basis.iter().zip(&trend) {
                 points.iter_mut().zip(basis).for_each(|(slot, value)| *slot += weight * value);
             }
