@@ -11,6 +11,7 @@ use super::{BatchError, Loaded, Reading, prepare};
 use crate::runner::cluster::{Options, RunFolder, RunPass, RunRecord};
 use crate::runner::external::Access;
 use crate::runner::{Cache, Key, Plan, RunnerError};
+use crate::study::document::FILE as DOCUMENT;
 use crate::study::project::whole;
 use crate::study::{Content, file};
 
@@ -56,7 +57,8 @@ pub fn submit(
 /// Copies what was read of a study for a pass.
 fn copy(pass: &LoadedPass, folder: &RunFolder, study: &Path) -> Result<(), BatchError> {
     let files: BTreeMap<String, Content> = read_files(&pass.pass).map_err(BatchError::input)?;
-    for (name, content) in files {
+    // The document that reports belong to decides no job, and may name passes that are not among these.
+    for (name, content) in files.into_iter().filter(|(name, _)| name != DOCUMENT) {
         let path = pass.study.join(&name);
         let bytes = file::read(&path, LARGEST).map_err(RunnerError::file("read", &path))?;
         if Content::of(&bytes) != content {

@@ -8,7 +8,7 @@ use super::executed::is_judge;
 use super::graph::delivered;
 use super::load::{Loaded, LoadedPass};
 use super::{BatchError, Executed, memory};
-use crate::runner::cluster::overview::blocks_there;
+use crate::runner::cluster::overview::{Overview, blocks_there};
 use crate::runner::engine::elsewhere::Elsewhere;
 use crate::runner::engine::local;
 use crate::runner::interrupt::Interrupts;
@@ -66,8 +66,10 @@ pub struct NotThere {
     pub pass: String,
     /// Its name.
     pub job: String,
-    /// Where it runs on a cluster: blocks that are there, blocks of its stage, and the run.
-    pub on_cluster: Option<(usize, usize, Key)>,
+    /// How far it has come on a cluster.
+    pub on_cluster: Option<Overview>,
+    /// What it says so far there, a line each.
+    pub so_far: Vec<String>,
 }
 
 impl Prepared {
@@ -140,8 +142,14 @@ impl Prepared {
             let gone: Vec<String> = gone;
             let not_there = |id: &String| {
                 let position = self.plan.find(id)?;
+                let node = &self.plan.nodes()[position];
                 let on_cluster = blocks_there(cache, &self.plan.keys()[position]);
-                Some(NotThere { pass: pass.shown.clone(), job: self.plan.nodes()[position].name.clone(), on_cluster })
+                // What builds on others says nothing before they are there, and what cannot be read says nothing.
+                let job =
+                    on_cluster.as_ref().filter(|_| node.from.is_empty()).and_then(|_| node.task.prepare(&[]).ok());
+                let blocks = on_cluster.as_ref().map_or_else(Vec::new, |overview| overview.blocks.clone());
+                let so_far = job.and_then(|job| job.so_far(blocks).ok()).unwrap_or_default();
+                Some(NotThere { pass: pass.shown.clone(), job: node.name.clone(), on_cluster, so_far })
             };
             left_out.extend(gone.iter().filter_map(not_there));
         }

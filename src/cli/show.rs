@@ -12,6 +12,7 @@ use super::{Context, select};
 use crate::batch::{self, Loaded, NotThere};
 use crate::report::section::{CALIBRATION, SUMMARY, results};
 use crate::report::terminal;
+use crate::runner::cluster::overview::Overview;
 
 /// Arguments of `bmv show`.
 #[derive(Debug, clap::Args)]
@@ -103,9 +104,12 @@ pub(super) fn tell_not_there(not_there: &[NotThere]) {
             .collect();
         let shown = escaped(shown);
         for missing_result in not_there.iter().filter(|missing_result| missing_result.pass == shown) {
-            if let Some((there, all, run)) = &missing_result.on_cluster {
+            if let Some(Overview { there, all, run, .. }) = &missing_result.on_cluster {
                 let job = escaped(&missing_result.job);
                 tell(&format!("{shown}: `{job}`: {there} of {all} blocks; run {} on a cluster", run.short()));
+                for line in &missing_result.so_far {
+                    tell(&format!("{shown}: `{job}`: {}", escaped(line)));
+                }
             }
         }
         let (have, them) = if names.len() == 1 { ("has", "it") } else { ("have", "them") };

@@ -17,6 +17,7 @@ use crate::study::Pass;
 use crate::study::job::{self as study_job, Asked, Entry, Forms, JobSpec, Kinds, NamedJob, Spec};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::Offered;
+use crate::thermal::Derivatives;
 
 /// A job kind; the type that implements it holds nothing.
 pub trait JobKind: Sync + 'static {
@@ -36,9 +37,9 @@ pub trait JobKind: Sync + 'static {
     /// Looks up the names and fills in the defaults; `None` where something is wrong, which is reported.
     fn resolve(form: &Self::Form, scope: &mut Scope, entry: &Entry, asked: &mut Asked) -> Option<JobSpec>;
 
-    /// Why a job with these settings does not run on a model that is asked outside; `states_steps` tells whether that states
-    /// steps of differences. `None` where it runs.
-    fn refuses_external(_spec: &Self::Spec, _states_steps: bool) -> Option<String> {
+    /// Why a job with these settings does not run on a model that is asked outside; `derivatives` tells where slopes would come
+    /// from. `None` where it runs.
+    fn refuses_external(_spec: &Self::Spec, _derivatives: Derivatives) -> Option<String> {
         Some(format!(
             "`{}` works on the equations of a network, and this model is asked outside; `propagate`, `sensitivity`, `goal`, \
              `design`, `compare`, `calibrate` and `predict` work with it",
@@ -112,8 +113,8 @@ impl<K: JobKind> study_job::Kind for K {
         K::IS_AFTER_OTHERS
     }
 
-    fn refuses_external(&self, spec: &JobSpec, states_steps: bool) -> Option<String> {
-        K::refuses_external(spec.get::<K::Spec>()?, states_steps)
+    fn refuses_external(&self, spec: &JobSpec, derivatives: Derivatives) -> Option<String> {
+        K::refuses_external(spec.get::<K::Spec>()?, derivatives)
     }
 
     fn complete(&self, jobs: &mut Vec<NamedJob>, forms: &Forms, offered: &Offered, measured: Option<&Place>) {

@@ -98,6 +98,10 @@ pub trait Parts {
     fn is_due(&self) -> bool;
     /// Keeps the state of this number: a pure function of the job, the stage, the input and the number.
     fn keep(&self, part: u64, state: &[u8]);
+    /// What [`Parts::share`] was given for these bytes, by whichever block of whichever job.
+    fn shared(&self, of: &[u8]) -> Option<Vec<u8>>;
+    /// Shares with all jobs what follows from these bytes alone.
+    fn share(&self, of: &[u8], found: &[u8]);
 }
 
 /// Keeps nothing.
@@ -111,6 +115,10 @@ impl Parts for NoParts {
         false
     }
     fn keep(&self, _part: u64, _state: &[u8]) {}
+    fn shared(&self, _of: &[u8]) -> Option<Vec<u8>> {
+        None
+    }
+    fn share(&self, _of: &[u8], _found: &[u8]) {}
 }
 
 /// A job that is ready to run: everything resolved, nothing looked up later.
@@ -153,6 +161,10 @@ pub trait Job: Send + Sync + Sized {
     /// is long.
     fn memory_bytes(&self) -> u64 {
         0
+    }
+    /// What some blocks of a stage, not all, already say of the result: a line each, for people. They are part of nothing.
+    fn so_far(&self, _blocks: Done<Self>) -> Vec<String> {
+        Vec::new()
     }
     /// What it asks outside, where that answers for its model.
     fn external(&self) -> Option<&External> {

@@ -10,6 +10,9 @@ use super::stored::{self, Block, unreadable};
 use super::{Done, Job, JobError, Parts, Step};
 use crate::thermal::External;
 
+/// What a stage is called of which not all blocks are there.
+const SO_FAR: &str = "so far";
+
 /// What is known when a stage begins, as bytes and as read back from them.
 #[derive(Clone)]
 pub struct State {
@@ -95,6 +98,11 @@ pub trait Runnable: Send + Sync {
     /// # Errors
     /// What the job gives; bytes that cannot be read or written.
     fn reduce(&self, stage: &Stage, outputs: Vec<Vec<u8>>) -> Result<Next, JobError>;
+    /// As [`Job::so_far`], of stored inputs and results of blocks.
+    ///
+    /// # Errors
+    /// Bytes that cannot be read.
+    fn so_far(&self, blocks: Vec<(Vec<u8>, Vec<u8>)>) -> Result<Vec<String>, JobError>;
     /// The job itself, for what only its kind can say.
     fn as_any(&self) -> &dyn Any;
 }
@@ -164,6 +172,13 @@ impl<J: Job + 'static> Runnable for J {
         next(self, unbroken(Job::external(self), reduced)?)
     }
 
+    fn so_far(&self, blocks: Vec<(Vec<u8>, Vec<u8>)>) -> Result<Vec<String>, JobError> {
+        let read = |(input, output): (Vec<u8>, Vec<u8>)| -> Result<_, JobError> {
+            Ok((J::Input::from_bytes(&input, SO_FAR)?, J::Partial::from_bytes(&output, SO_FAR)?))
+        };
+        Ok(Job::so_far(self, blocks.into_iter().map(read).collect::<Result<_, _>>()?))
+    }
+
     fn as_any(&self) -> &dyn Any {
         self
     }
@@ -196,6 +211,16 @@ impl Parts for Unbroken<'_> {
     fn keep(&self, part: u64, state: &[u8]) {
         if self.external.and_then(External::broken).is_none() {
             self.parts.keep(part, state);
+        }
+    }
+
+    fn shared(&self, of: &[u8]) -> Option<Vec<u8>> {
+        self.parts.shared(of)
+    }
+
+    fn share(&self, of: &[u8], found: &[u8]) {
+        if self.external.and_then(External::broken).is_none() {
+            self.parts.share(of, found);
         }
     }
 }

@@ -129,6 +129,15 @@ pub fn block_key(job: &Key, stage: &str, index: usize, known: &[&[u8]]) -> Key {
     Key::from_digest(&hash.finalize())
 }
 
+/// Name of what jobs share: it follows from these bytes alone.
+pub fn shared_key(of: &[u8]) -> Key {
+    let mut hash = Sha256::new();
+    hash.update(b"shared");
+    hash.update(BLOCK_VERSION.to_le_bytes());
+    hash.update(of);
+    Key::from_digest(&hash.finalize())
+}
+
 /// Canonical bytes of a value; `what` names it in the error.
 pub(crate) fn canonical_bytes(value: &Value, what: &str) -> Result<Vec<u8>, RunnerError> {
     canonical::canonical(value)

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::document::declare::one_kind;
 use crate::document::schema::choice;
 use crate::document::{Diagnostics, Map, Node, Place, Schemas, Written};
+use crate::thermal::Derivatives;
 
 use super::resolve::posterior_prior::Upstreams;
 use super::resolve::scope::Scope;
@@ -28,9 +29,9 @@ pub trait Kind: Sync {
     fn read(&self, settings: &Node, diagnostics: &mut Diagnostics) -> Option<Box<dyn Form>>;
     /// Whether its jobs are resolved after the others of the pass, whose settings they use.
     fn is_after_others(&self) -> bool;
-    /// Why a job does not run on a model that is asked outside; `states_steps` tells whether that states steps of differences.
+    /// Why a job does not run on a model that is asked outside; `derivatives` tells where slopes come from.
     /// `None` where it runs, or is of another kind.
-    fn refuses_external(&self, spec: &JobSpec, states_steps: bool) -> Option<String>;
+    fn refuses_external(&self, spec: &JobSpec, derivatives: Derivatives) -> Option<String>;
     /// Called when all jobs of a pass are resolved: changes them, or adds some.
     fn complete(&self, jobs: &mut Vec<NamedJob>, forms: &Forms, offered: &Offered, measured: Option<&Place>);
 }
@@ -254,8 +255,8 @@ impl Kinds {
     }
 
     /// Why a job does not run on a model that is asked outside.
-    pub(super) fn refuses_external(&self, spec: &JobSpec, states_steps: bool) -> Option<String> {
-        self.0.iter().find_map(|kind| kind.refuses_external(spec, states_steps))
+    pub(super) fn refuses_external(&self, spec: &JobSpec, derivatives: Derivatives) -> Option<String> {
+        self.0.iter().find_map(|kind| kind.refuses_external(spec, derivatives))
     }
 
     /// Completes the jobs of a pass; `measured` is the place of its measurements.

@@ -197,6 +197,7 @@ fn a_call_that_fails_is_data_and_says_why() {
         ("echo '{\"other\": 3}' > out.json", "there is nothing at `/plate`"),
         ("true", "`out.json`: the program did not write it"),
         ("echo no licence >&2; exit 3", "the program did not succeed: exit status: 3; it said last: no licence"),
+        ("kill -TERM $$; sleep 1", "the program was ended from outside (SIGTERM), so nothing is known of its point"),
         ("sleep 60 & sleep 61", "the program took longer than its timeout: it was ended after 0.5 s"),
         ("while :; do cat sim/plate.sh /bin/sh; done", "the program"),
     ];
@@ -290,12 +291,15 @@ fn what_lies_outside_or_needs_a_network_is_refused_at_its_place() {
     for (jobs, reason) in [
         (r#""x": {"diagnose": {}}"#, "pass-1.json:5:11"),
         (r#""x": {"diagnose": {}}"#, "`diagnose` works on the equations of a network, and this model is asked outside"),
-        (r#""x": {"calibrate": {"sampler": "nuts"}}"#, "`adaptive-metropolis` and `smc` are offered for it"),
+        (r#""x": {"calibrate": {"sampler": "nuts"}}"#, "the sampler `nuts` follows derivatives"),
         (
             r#""x": {"design": {"conditions": {"Q": [10, 20]}, "sensors": ["plate"], "estimator": "linear"}}"#,
             "the estimator `linear` needs derivatives",
         ),
-        (r#""x": {"sensitivity": {"methods": ["local"]}}"#, "state `steps` of all uncertain parameters in the model"),
+        (
+            r#""x": {"sensitivity": {"methods": ["local"]}}"#,
+            "give it `steps` of differences for all uncertain parameters",
+        ),
     ] {
         let found = said(COMMAND, jobs);
         assert!(found.contains(reason), "{jobs}\n{found}");
@@ -372,6 +376,72 @@ fn a_served_network_is_a_model_of_another_pass() {
     let sd = of(&a, "sd");
     assert!((of(&a, "map") - of(&b, "map")).abs() < 1e-3 * sd, "{} {}", of(&a, "map"), of(&b, "map"));
     assert!((of(&a, "mean") - of(&b, "mean")).abs() < 0.3 * sd, "{} {}", of(&a, "mean"), of(&b, "mean"));
+}
+
+#[test]
+fn derivatives_that_a_server_offers_are_used_where_the_study_says_so() {
+    const FIT: &str = r#""fit": {"calibrate": {"parameters": ["eps"], "sampler": "nuts", "chains": 2, "warmup": 100, "draws": 100}},
+      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 16}},
+      "effects": {"sensitivity": {"methods": ["local", "derivative"], "samples": 16}}"#;
+    let network = study(NODES, FIT);
+    let server = Server::start(network.path(), "0");
+    // The unit of one output and of one input is another one than the server's, whose numbers are in SI units.
+    let served = |more: &str| {
+        format!(
+            r#""umbridge": {{"url": "{}", "name": "forward", "version": "plate 1", "outputs": {{"plate": {{"unit": "degC"}}}},
+   "units": "si", "retries": 0{more}}}"#,
+            server.1
+        )
+    };
+    let client = study(&served(r#", "derivatives": "served""#), FIT);
+    // Both differentiate the same equations: by the implicit function theorem here and there.
+    for (job, tolerance) in [("linear", 1e-8), ("effects", 1e-8)] {
+        let (a, b) = (result(&network, job, &[]), result(&client, job, &[]));
+        assert!(apart(&a, &b) < tolerance, "{job}: {}\n{a}\n{b}", apart(&a, &b));
+    }
+    let (a, b) = (result(&network, "fit", &[]), result(&client, "fit", &[]));
+    let of = |document: &Value, field: &str| {
+        document["parameters"]["eps"][field].as_f64().unwrap_or_else(|| panic!("{document}"))
+    };
+    let sd = of(&a, "sd");
+    // Two hundred draws each: the error of a mean is below a tenth of the standard deviation, of which three are allowed.
+    assert!((of(&a, "map") - of(&b, "map")).abs() < 1e-6 * sd, "{} {}", of(&a, "map"), of(&b, "map"));
+    assert!((of(&a, "mean") - of(&b, "mean")).abs() < 0.4 * sd, "{} {}", of(&a, "mean"), of(&b, "mean"));
+    // Differences with stated steps do for trajectories too.
+    let stated = study(&served(r#", "steps": {"eps": 1e-4, "A": 1e-5}"#), FIT);
+    let c = result(&stated, "fit", &[]);
+    assert!((of(&a, "mean") - of(&c, "mean")).abs() < 0.4 * sd, "{} {}", of(&a, "mean"), of(&c, "mean"));
+    let said = |answer: &str| {
+        fs::write(stated.path().join("m/model.json"), model(answer)).expect("written");
+        failure(&stated, &["run", "m", ALLOWED])
+    };
+    let both = said(&served(r#", "derivatives": "served", "steps": {"eps": 1e-4}"#));
+    assert!(both.contains("steps of differences beside derivatives that are served"), "{both}");
+    // A served model that is itself asked outside offers none.
+    let outside = study(&served(""), r#""prior": {"propagate": {"samples": 4}}"#);
+    let again = Server::start(outside.path(), "0");
+    let none = said(&served(r#", "derivatives": "served""#).replace(&server.1, &again.1));
+    assert!(none.contains("offers neither Gradient nor ApplyJacobian"), "{none}");
+}
+
+#[test]
+fn runs_behind_a_surrogate_are_those_of_every_pass_with_the_same_inputs() {
+    let root = study(
+        &format!(r#"{COMMAND}, "surrogate": {{"runs": 12, "rounds": 0}}"#),
+        r#""prior": {"propagate": {"samples": 64}}"#,
+    );
+    let ran = root.path().join("ran");
+    script(&root, &SCRIPT.replace("awk", &format!("echo run >> {}; awk", ran.display())));
+    let count = || fs::read_to_string(&ran).map_or(0, |text| text.lines().count());
+    let surrogate = result(&root, "surrogate", &[ALLOWED]);
+    assert_eq!((count(), surrogate["runs"].clone()), (12, json!(12)));
+    // Another noise is another surrogate, through the same runs.
+    let precise = pass(r#""prior": {"propagate": {"samples": 64}}"#).replace(r#"{"value": 0.5,"#, r#"{"value": 0.3,"#);
+    fs::write(root.path().join("m/pass-1.json"), precise).expect("written");
+    let again = result(&root, "surrogate", &[ALLOWED]);
+    assert_eq!(again["runs"], json!(12));
+    assert_ne!(again["readings"], surrogate["readings"]);
+    assert_eq!(count(), 12);
 }
 
 #[test]

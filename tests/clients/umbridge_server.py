@@ -1,5 +1,6 @@
 """Serves a model of five lines with the reference package of UM-Bridge in Python and asks it from a study: propagation,
-sensitivity, the choice of an experiment, calibration, and the last again through a surrogate.
+sensitivity, the choice of an experiment, calibration, and the last again through a surrogate; then the same model with
+derivatives (Gradient, ApplyJacobian or both), which must be those of the differences, and by which trajectories run.
 
 usage: umbridge_server.py BMV
 
@@ -24,8 +25,24 @@ class Plate(umbridge.Model):
     def get_output_sizes(self, config): return [1]
     def __call__(self, given, config): return [[20.0 + given[1][0] / given[0][0]]]
     def supports_evaluate(self): return True
-umbridge.serve_models([Plate()], int(sys.argv[1]))
+class Sloped(Plate):
+    def __init__(self, name, *offers): umbridge.Model.__init__(self, name); self.offers = offers
+    def slope(self, given, vector): return [-given[1][0] / given[0][0] ** 2, 1 / given[0][0]][vector]
+    def supports_gradient(self): return "Gradient" in self.offers
+    def supports_apply_jacobian(self): return "ApplyJacobian" in self.offers
+    def gradient(self, out, vector, given, sens, config): return [sens[0] * self.slope(given, vector)]
+    def apply_jacobian(self, out, vector, given, vec, config): return [vec[0] * self.slope(given, vector)]
+umbridge.serve_models([Plate(), Sloped("gradient", "Gradient"), Sloped("direction", "ApplyJacobian"),
+                       Sloped("both", "Gradient", "ApplyJacobian")], int(sys.argv[1]))
 """
+
+
+def numbers(document):
+    """All numbers of a document, in order."""
+    if isinstance(document, (dict, list)):
+        parts = document.values() if isinstance(document, dict) else document
+        return [number for part in parts for number in numbers(part)]
+    return [document] if isinstance(document, float) else []
 
 
 def main(bmv):
@@ -61,6 +78,17 @@ def main(bmv):
         (study / "pass-1.json").write_text(json.dumps(
             {"format": "bmv-pass/1", "title": "Plate", "parent": None, "model": "model.json", "seed": 1,
              "measurements": {"balance": {"steady": {"file": "balance.csv", "sensors": {"plate": sensor}}}}, "jobs": jobs}))
+        sloped = {"effects": {"sensitivity": {"methods": ["local"]}},
+                  "linear": {"design": {"conditions": {"Q": [5, 10]}, "estimator": "linear"}},
+                  "fit": {"calibrate": {"sampler": "nuts", "chains": 4, "warmup": 100, "draws": 100}}}
+        served = {name: root / name for name in ["gradient", "direction", "both"]}
+        for name, folder in served.items():
+            shutil.copytree(study, folder)
+            named = {key: value for key, value in model["umbridge"].items() if key != "steps"}
+            (folder / "model.json").write_text(json.dumps(
+                {**model, "umbridge": {**named, "name": name, "derivatives": "served"}}))
+            passed = json.loads((folder / "pass-1.json").read_text())
+            (folder / "pass-1.json").write_text(json.dumps({**passed, "jobs": sloped}))
         quick = root / "quick"
         shutil.copytree(study, quick)
         (quick / "model.json").write_text(json.dumps({**model, "surrogate": {"runs": 16}}))
@@ -86,6 +114,7 @@ def main(bmv):
             effects, phases = result(study, "effects"), result(study, "phases")
             fits = [result(study, "fit"), result(quick, "fit")]
             surrogate = result(quick, "surrogate")
+            slopes = {name: [result(folder, job) for job in sloped] for name, folder in served.items()}
         finally:
             server.kill()
             server.wait()
@@ -105,6 +134,16 @@ def main(bmv):
             assert abs(found["mean"] - 0.5) < 0.3 * sd and abs(found["sd"] / sd - 1) < 0.3, found
         [error] = [output["error"] for output in surrogate["outputs"]]
         assert error < 0.02, surrogate
+        for name, (local, linear, fit) in slopes.items():
+            exact, difference = numbers(local["local"]), numbers(effects["local"])
+            # Central differences of a step of 1e-4 in 0.5 err by its square.
+            assert exact and len(exact) == len(difference), (exact, difference)
+            assert all(abs(a - b) < 1e-6 * abs(b) + 1e-12 for a, b in zip(exact, difference)), (name, exact, difference)
+            low, high = [candidate["information_nats"] for candidate in linear["candidates"]]
+            assert abs(high - low - math.log(2)) < 0.1, (name, low, high)
+            found = fit["parameters"]["G"]
+            assert abs(found["mean"] - 0.5) < 0.3 * sd and abs(found["sd"] / sd - 1) < 0.3, (name, found)
+        print(f"derivatives of {', '.join(slopes)} are used: local effects, linear design, NUTS")
         print(f"{surrogate['runs']} runs give a surrogate with an error of {error:.1e} K, and the posterior of the model")
         print(f"a model of five lines answered 1024 samples in {seconds:.1f} s ({1e3 * seconds / 1024:.2f} ms a sample)")
 

@@ -6,6 +6,7 @@
 #   slurm.sh crash NODE       a power cut: the node's daemon and its jobs die at once
 #   slurm.sh cut NODE         a lost network: the daemon dies, its jobs go on
 #   slurm.sh node NODE        starts a node again
+#   slurm.sh broken NODE FILE starts a node again that lacks this program: a file system that is not mounted
 #   slurm.sh controller stop|start
 #
 # CLUSTER (folder), PORT (first of NODES+1), NODES, CPUS (a node), TIMEOUT (seconds until a node counts as lost).
@@ -14,7 +15,7 @@
 set -euo pipefail
 CLUSTER=${CLUSTER:-${TMPDIR:-/tmp}/bmv-cluster}
 PORT=${PORT:-17600} NODES=${NODES:-3} CPUS=${CPUS:-2} TIMEOUT=${TIMEOUT:-10}
-export SLURM_CONF=$CLUSTER/slurm.conf
+export SLURM_CONF=$CLUSTER/slurm.conf BROKEN=
 
 skip() { echo "SKIPPED: $*" >&2; exit 77; }
 fail() { echo "slurm.sh: $*" >&2; exit 1; }
@@ -40,7 +41,8 @@ install_packages() {
 # so that name is localhost. The namespace of that name also marks what the daemon starts: slurmstepd has no environment.
 run_daemon() {
   local name=$1; shift
-  setsid unshare --uts sh -c 'hostname localhost; readlink /proc/self/ns/uts > "$1"; shift; exec "$@"' \
+  setsid unshare --uts ${BROKEN:+--mount} sh -c 'hostname localhost; readlink /proc/self/ns/uts > "$1"; shift
+    [ -z "$BROKEN" ] || mount --bind /dev/null "$BROKEN"; exec "$@"' \
     sh "$CLUSTER/run/$name.ns" "$@" > "$CLUSTER/log/$name.out" 2>&1 < /dev/null &
   echo $! > "$CLUSTER/run/$name.pid"
 }
@@ -106,13 +108,16 @@ UnkillableStepTimeout=15
 BatchStartTimeout=10
 ReturnToService=2
 MaxArraySize=${MAX_ARRAY:-1001}
+PreemptType=preempt/partition_prio
+PreemptMode=REQUEUE
 SchedulerType=sched/backfill
 SchedulerParameters=batch_sched_delay=0,sched_interval=5,bf_interval=2
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 SlurmdParameters=config_overrides
 NodeName=n[1-$NODES] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((PORT + 1))-$((PORT + NODES))] CPUs=$CPUS RealMemory=$memory State=UNKNOWN
-PartitionName=main Nodes=n[1-$NODES] Default=YES MaxTime=INFINITE State=UP
+PartitionName=main Nodes=n[1-$NODES] Default=YES MaxTime=INFINITE PriorityTier=1 State=UP
+PartitionName=urgent Nodes=n[1-$NODES] MaxTime=INFINITE PriorityTier=10 State=UP
 CONF
   { echo "export SLURM_CONF='$SLURM_CONF'"; echo "export CLUSTER='$CLUSTER'"; } > "$CLUSTER/env"
   dd if=/dev/urandom of="$CLUSTER/munge/key" bs=64 count=1 status=none
@@ -149,6 +154,7 @@ case ${1:-} in
   crash) kill_members "$2"; rm -f "$CLUSTER/run/$2.pid" ;;
   cut) kill -9 "$(cat "$CLUSTER/run/$2.pid")"; rm -f "$CLUSTER/run/$2.pid" ;;
   node) start_node "$2"; until_true 30 sh -c "! sinfo -h -n $2 -o %t | grep -qE '[*]|down|unk'" || fail "$2 does not come back" ;;
+  broken) BROKEN=$3 start_node "$2"; until_true 30 sh -c "! sinfo -h -n $2 -o %t | grep -qE '[*]|down|unk'" || fail "$2 does not come back" ;;
   controller) if [ "$2" = stop ]; then kill_members slurmctld; rm -f "$CLUSTER/run/slurmctld.pid"; else start_controller; fi ;;
   *) fail "start, stop, crash NODE, cut NODE, node NODE, controller stop|start" ;;
 esac

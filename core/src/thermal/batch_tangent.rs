@@ -4,7 +4,6 @@ use crate::math::lanes::Lanes;
 
 use super::batch::Batch;
 use super::equations::segment;
-use super::external;
 use super::network::Network;
 
 impl Network {
@@ -12,7 +11,7 @@ impl Network {
     /// symbols: `out` is `quantities x symbols`, row by row, SI. Lanes without a solution get numbers without meaning.
     pub fn quantity_tangent_batch<const N: usize>(&self, batch: &mut Batch<N>, out: &mut [[f64; N]]) {
         if let Some(external) = &self.external {
-            self.lane_differences(external, batch, out);
+            self.lane_external_tangent(external, batch, out);
             return;
         }
         let equations = &self.steady;
@@ -71,14 +70,7 @@ impl Network {
         out: &mut [[f64; N]],
     ) {
         if let Some(external) = &self.external {
-            let mut tangent = vec![[0.0; N]; self.quantities.len() * self.differentiate.len()];
-            self.lane_differences(external, batch, &mut tangent);
-            for lane in 0..batch.used() {
-                let of_lane = |values: &[[f64; N]]| values.iter().map(|lanes| lanes[lane]).collect::<Vec<f64>>();
-                let mut gradient = vec![0.0; out.len()];
-                external::weighted(&of_lane(&tangent), &of_lane(weights), &mut gradient);
-                out.iter_mut().zip(gradient).for_each(|(lanes, slope)| lanes[lane] = slope);
-            }
+            self.lane_external_gradient(external, batch, weights, out);
             return;
         }
         let equations = &self.steady;

@@ -1,8 +1,8 @@
 //! A model that is not a network: something outside, a program or a server, answers with outputs for parameters and inputs.
 //!
 //! To everything that solves it is a network without nodes, whose quantities are expressions over its outputs. It has no
-//! equations to differentiate: slopes are central differences with the steps that the model states, forward or backward ones
-//! where one side has no answer.
+//! equations to differentiate. Slopes of its outputs are asked for where it has them ([`super::external_slopes`]); elsewhere they
+//! are central differences with the steps that the model states, forward or backward ones where one side has no answer.
 
 use std::fmt::Debug;
 use std::ops::Range;
@@ -38,6 +38,28 @@ pub struct Fault {
     pub detail: String,
 }
 
+/// At which point and by what slopes of the outputs are asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlopesAt {
+    /// The point.
+    pub point: Point,
+    /// By which of the parameters, then inputs, in rising order.
+    pub by: Vec<usize>,
+    /// Weight of each output, where the slopes of the weighted sum are wanted and not those of each.
+    pub weights: Option<Vec<f64>>,
+}
+
+/// Where slopes come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Derivatives {
+    /// From whoever answers for the model.
+    Served,
+    /// From differences with steps that the model states for all uncertain parameters.
+    StatedSteps,
+    /// From differences with steps that follow from the priors.
+    UsualSteps,
+}
+
 /// Answers for a model. The same point has the same answer.
 pub trait Evaluator: Debug + Send + Sync {
     /// Whether it can be asked now: it is allowed to run, and is what the model says that it is.
@@ -47,6 +69,12 @@ pub trait Evaluator: Debug + Send + Sync {
     fn ready(&self) -> Result<(), String>;
     /// The outputs at each point, SI, as many as the model has and all finite, or why there are none.
     fn evaluate(&self, points: &[Point]) -> Vec<Result<Vec<f64>, Fault>>;
+    /// Slopes of the outputs, SI and finite, or why there are none: of the weighted sum a number for each of `by`, else
+    /// `outputs x by`, row by row. Asked only where the model says that they are [`Derivatives::Served`].
+    fn slopes(&self, asked: &[SlopesAt]) -> Vec<Result<Vec<f64>, Fault>> {
+        let fault = Fault { what: "the model has no derivatives", detail: "none are served".to_owned() };
+        vec![Err(fault); asked.len()]
+    }
     /// What keeps it from answering at all, whatever the point: what was asked since then says nothing of the model.
     fn broken(&self) -> Option<String>;
 }
@@ -62,8 +90,8 @@ pub struct External {
     pub identity: serde_json::Value,
     /// Step of differences by each parameter, then by each input, SI.
     pub steps: Vec<f64>,
-    /// Whether the model states the steps of all its parameters.
-    pub states_steps: bool,
+    /// Where slopes come from.
+    pub derivatives: Derivatives,
     /// Parameters that are errors of a surrogate in their standard deviations, one an output; none without a surrogate.
     pub errors: Range<usize>,
     /// Who asks it; `None` where nobody was lent.
@@ -82,6 +110,11 @@ impl External {
         }
     }
 
+    /// Whether a surrogate answers, which takes no time to speak of.
+    pub fn is_surrogate(&self) -> bool {
+        !self.errors.is_empty()
+    }
+
     /// As [`Evaluator::broken`].
     pub fn broken(&self) -> Option<String> {
         self.evaluator.as_ref()?.broken()
@@ -98,6 +131,17 @@ impl External {
         }
     }
 
+    /// As [`Evaluator::slopes`].
+    pub fn slopes(&self, asked: &[SlopesAt]) -> Vec<Result<Vec<f64>, Fault>> {
+        match &self.evaluator {
+            Some(evaluator) => evaluator.slopes(asked),
+            None => {
+                let fault = Fault { what: "the model was not asked", detail: "nothing was lent that could".to_owned() };
+                vec![Err(fault); asked.len()]
+            }
+        }
+    }
+
     /// Step of differences by a symbol, SI; `None` for what is neither a parameter nor an input.
     fn step(&self, parameters: usize, symbol: Symbol) -> Option<f64> {
         match symbol {
@@ -109,7 +153,7 @@ impl External {
 }
 
 /// Sums of the slopes of all quantities (`quantities x symbols`) with weights, a number a symbol.
-pub(super) fn weighted(tangent: &[f64], weights: &[f64], out: &mut [f64]) {
+fn weighted(tangent: &[f64], weights: &[f64], out: &mut [f64]) {
     out.fill(0.0);
     for (row, weight) in tangent.chunks_exact(out.len().max(1)).zip(weights) {
         // A quantity that nobody asks for may have no slope.
@@ -120,7 +164,8 @@ pub(super) fn weighted(tangent: &[f64], weights: &[f64], out: &mut [f64]) {
 }
 
 impl Network {
-    fn point(&self, value: impl Fn(usize) -> f64) -> Point {
+    /// The point of these parameters and inputs.
+    pub(super) fn point(&self, value: impl Fn(usize) -> f64) -> Point {
         let (parameters, inputs) = (self.steady.parameters, self.steady.inputs);
         Point {
             parameters: (0..parameters).map(&value).collect(),
@@ -168,9 +213,39 @@ impl Network {
         batch.stale_parameters = false;
     }
 
-    /// Slopes of all quantities at a solution by the differentiated symbols (`quantities x symbols`); not a number where no
-    /// step has an answer.
-    pub(super) fn quantity_differences(
+    /// Slopes of all quantities at a solution by the differentiated symbols (`quantities x symbols`); not a number where there
+    /// is no answer.
+    pub(super) fn external_tangent(
+        &self,
+        external: &External,
+        workspace: &mut Workspace,
+        out: &mut [f64],
+    ) -> Result<(), UnsolvedError> {
+        match external.derivatives {
+            Derivatives::Served => self.served_slopes(external, workspace, None, out),
+            _ => self.quantity_differences(external, workspace, out),
+        }
+    }
+
+    /// The slopes of the sum of the quantities with these weights, a number a symbol.
+    pub(super) fn external_gradient(
+        &self,
+        external: &External,
+        workspace: &mut Workspace,
+        weights: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), UnsolvedError> {
+        if external.derivatives == Derivatives::Served {
+            return self.served_slopes(external, workspace, Some(weights), out);
+        }
+        let mut tangent = vec![0.0; self.quantities.len() * self.differentiate.len()];
+        self.quantity_differences(external, workspace, &mut tangent)?;
+        weighted(&tangent, weights, out);
+        Ok(())
+    }
+
+    /// As [`Network::external_tangent`], by differences.
+    fn quantity_differences(
         &self,
         external: &External,
         workspace: &mut Workspace,
@@ -241,13 +316,42 @@ impl Network {
         self.all_quantities(workspace)
     }
 
-    /// [`Network::quantity_differences`] for every lane with work of its own.
-    pub(super) fn lane_differences<const N: usize>(
+    /// [`Network::external_gradient`] for every lane with work of its own.
+    pub(super) fn lane_external_gradient<const N: usize>(
+        &self,
+        external: &External,
+        batch: &mut Batch<N>,
+        weights: &[[f64; N]],
+        out: &mut [[f64; N]],
+    ) {
+        if external.derivatives == Derivatives::Served {
+            self.lane_served_slopes(external, batch, Some(weights), out);
+            return;
+        }
+        let mut tangent = vec![[0.0; N]; self.quantities.len() * self.differentiate.len()];
+        self.lane_differences(external, batch, &mut tangent);
+        for lane in 0..batch.used() {
+            let of_lane = |values: &[[f64; N]]| values.iter().map(|lanes| lanes[lane]).collect::<Vec<f64>>();
+            let mut gradient = vec![0.0; out.len()];
+            weighted(&of_lane(&tangent), &of_lane(weights), &mut gradient);
+            out.iter_mut().zip(gradient).for_each(|(lanes, slope)| lanes[lane] = slope);
+        }
+    }
+
+    /// [`Network::external_tangent`] for every lane with work of its own.
+    pub(super) fn lane_external_tangent<const N: usize>(
         &self,
         external: &External,
         batch: &mut Batch<N>,
         out: &mut [[f64; N]],
     ) {
+        match external.derivatives {
+            Derivatives::Served => self.lane_served_slopes(external, batch, None, out),
+            _ => self.lane_differences(external, batch, out),
+        }
+    }
+
+    fn lane_differences<const N: usize>(&self, external: &External, batch: &mut Batch<N>, out: &mut [[f64; N]]) {
         let mut tangent = vec![0.0; out.len()];
         for lane in 0..batch.used() {
             let registers = self.steady.time();
@@ -267,6 +371,6 @@ impl Network {
 }
 
 /// An evaluator that gives fewer answers than it was asked for.
-fn unanswered() -> Result<Vec<f64>, Fault> {
+pub(super) fn unanswered() -> Result<Vec<f64>, Fault> {
     Err(Fault { what: "the model was not asked", detail: "there are fewer answers than points".to_owned() })
 }

@@ -132,7 +132,11 @@ impl Network {
     /// # Errors
     /// [`NetworkError`] names what is wrong with the model.
     pub fn compile(model: &Model, differentiate: &[Symbol]) -> Result<Self, NetworkError> {
-        let steady = Equations::compile(model, differentiate, false)?;
+        // Quantities of a model that is asked outside are differentiated by its outputs too.
+        let outputs = model.external.as_ref().map_or(0, |external| u32::try_from(external.outputs).unwrap_or(u32::MAX));
+        let of_quantities: Vec<Symbol> =
+            differentiate.iter().copied().chain((0..outputs).map(Symbol::Output)).collect();
+        let steady = Equations::compile(model, &of_quantities, false)?;
         let switched = model.elements.iter().any(|element| element.physics().is_switched());
         let switched = if switched { Some(Equations::compile(model, differentiate, true)?) } else { None };
         let linear = Linear::new(&steady)?;

@@ -7,7 +7,6 @@
 use crate::expression::Symbol;
 
 use super::equations::segment;
-use super::external;
 use super::network::{Network, Workspace};
 use super::newton;
 
@@ -84,7 +83,7 @@ impl Network {
     /// [`UnsolvedError`] without a solution for the present parameters and inputs.
     pub fn quantity_tangent(&self, workspace: &mut Workspace, out: &mut [f64]) -> Result<(), UnsolvedError> {
         if let Some(external) = &self.external {
-            return self.quantity_differences(external, workspace, out);
+            return self.external_tangent(external, workspace, out);
         }
         self.factor_at_solution(workspace)?;
         let columns = self.differentiate.len();
@@ -121,10 +120,7 @@ impl Network {
         out: &mut [f64],
     ) -> Result<(), UnsolvedError> {
         if let Some(external) = &self.external {
-            let mut tangent = vec![0.0; self.quantities.len() * self.differentiate.len()];
-            self.quantity_differences(external, workspace, &mut tangent)?;
-            external::weighted(&tangent, weights, out);
-            return Ok(());
+            return self.external_gradient(external, workspace, weights, out);
         }
         self.factor_at_solution(workspace)?;
         out.fill(0.0);

@@ -51,6 +51,7 @@ use crate::study::resolve::scope::Scope;
 use crate::study::resolved;
 use crate::study::resolved::Blocked;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::CalibrateForm;
 
 /// The kind `calibrate`.
@@ -72,10 +73,11 @@ impl JobKind for Kind {
         monte_carlo::of_output(output)
     }
 
-    fn refuses_external(spec: &Spec, _states_steps: bool) -> Option<String> {
-        (spec.sampler == Sampler::Nuts).then(|| {
-            "the sampler `nuts` follows exact derivatives, and this model is asked outside: `adaptive-metropolis` and `smc` are \
-             offered for it"
+    fn refuses_external(spec: &Spec, derivatives: Derivatives) -> Option<String> {
+        // Trajectories along any function of the place keep volumes, so that differences bias nothing where they are stated.
+        (spec.sampler == Sampler::Nuts && derivatives == Derivatives::UsualSteps).then(|| {
+            "the sampler `nuts` follows derivatives, which this model does not state: give it `steps` of differences for all uncertain \
+             parameters, \"derivatives\": \"served\" where a server offers them, or take `adaptive-metropolis` or `smc`"
                 .to_owned()
         })
     }

@@ -7,6 +7,7 @@ use crate::study::job::{Entry, JobSpec};
 use crate::study::resolve::chosen::{data, parameters_or_all};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::{Offered, number};
+use crate::thermal::Derivatives;
 
 /// Chains where a job says nothing.
 const CHAINS: u64 = 4;
@@ -20,8 +21,11 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &CalibrateForm, of
     let before = scope.diagnostics.errors();
     let (data, missing) = data(scope, entry, form.data.as_ref(), "calibrate on", offered);
     let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
-    // What is asked outside has no exact derivatives.
-    let usual = if scope.resolved.external.is_some() { Sampler::AdaptiveMetropolis } else { Sampler::Nuts };
+    let usual = match scope.resolved.derivatives() {
+        None | Some(Derivatives::Served) => Sampler::Nuts,
+        // Trajectories would ask for many differences.
+        Some(_) => Sampler::AdaptiveMetropolis,
+    };
     let sampler = form.sampler.unwrap_or(usual);
     let method = sampler.method();
     let (warmup, draws) = sampler.defaults();

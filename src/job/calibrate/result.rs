@@ -179,7 +179,9 @@ impl Calibrate {
                 starts: [estimate.descents.len() as u64, reached.count() as u64],
             },
             tuned: self.tuned(estimate),
-            findings: self.findings(words::findings(&estimate.findings, &judged.leaning, &unknowns.names)),
+            findings: self.findings(words::findings(&estimate.findings, &judged.leaning, &unknowns.names, &|place| {
+                self.is_surrogate_error(&unknowns.names[place])
+            })),
             warnings: self.warnings(estimate, &log_evidence, work),
             acceptance: chains.chains.iter().map(|chain| chain.moves.acceptance).collect(),
             draws: weighted.kept(KEPT),
@@ -276,10 +278,19 @@ impl Calibrate {
         self.doubts(true).chain(of_parameters).collect()
     }
 
+    /// Whether an unknown is an error of the surrogate that answers for the model.
+    fn is_surrogate_error(&self, name: &str) -> bool {
+        let model = &self.inputs.model;
+        let errors = model.external.as_ref().map_or(0..0, |external| external.errors.clone());
+        model.parameters.get(errors).is_some_and(|errors| errors.iter().any(|error| error.name == name))
+    }
+
     fn warnings(&self, estimate: &PointEstimate, evidence: &Evidence, work: &Work) -> Vec<String> {
         let mut warnings: Vec<String> = self.doubts(false).collect();
         warnings.extend(self.overstated(estimate));
-        let (unknowns, readings) = (self.likelihood().dimension(), self.likelihood().data().len());
+        let names = &self.likelihood().unknowns().names;
+        let unknowns = names.iter().filter(|name| !self.is_surrogate_error(name)).count();
+        let readings = self.likelihood().data().len();
         if unknowns > readings {
             warnings.push(format!(
                 "{} against {}: the priors decide a part of the result.",

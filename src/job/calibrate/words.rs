@@ -52,10 +52,22 @@ pub(in crate::job) fn objections(convergence: &Convergence, names: &[String]) ->
         .collect()
 }
 
-/// Findings about parameters: from the fit, then from the draws.
-pub(super) fn findings(found: &[Finding], leaning: &[LeaningOnBound], names: &[String]) -> Vec<String> {
+/// Findings about parameters: from the fit, then from the draws. Of what are errors of a surrogate alone (`is_error`, by position)
+/// nobody expects the data to say anything.
+pub(super) fn findings(
+    found: &[Finding],
+    leaning: &[LeaningOnBound],
+    names: &[String],
+    is_error: &dyn Fn(usize) -> bool,
+) -> Vec<String> {
+    let is_of_errors = |finding: &&Finding| match finding {
+        Finding::FlatDirection { shares, .. } => shares.iter().all(|share| is_error(share.parameter)),
+        Finding::OnlyTogether { first, second, .. } => is_error(*first) && is_error(*second),
+        Finding::AtBound { .. } => false,
+    };
     let mut words: Vec<String> = found
         .iter()
+        .filter(|finding| !is_of_errors(finding))
         .map(|finding| match finding {
             Finding::AtBound { parameter, end: which, .. } => format!(
                 "The best fit holds {} at the {} bound of its prior: the data pull beyond it. Relax the bound with a \

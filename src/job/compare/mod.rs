@@ -38,6 +38,7 @@ use crate::study::resolve::settings::Offered;
 use crate::study::resolved::Blocked;
 use crate::study::resolved::Upstream;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::CompareForm;
 
 /// Share by which the error of the tuned state may differ with another seed, whose search for the most probable point begins
@@ -96,7 +97,7 @@ impl JobKind for Kind {
         numbers
     }
 
-    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+    fn refuses_external(_spec: &Spec, _derivatives: Derivatives) -> Option<String> {
         None
     }
 

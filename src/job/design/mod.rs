@@ -36,6 +36,7 @@ use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::DesignForm;
 use samples::REPLICATES;
 
@@ -67,12 +68,12 @@ impl JobKind for Kind {
         of_grid.filter_map(number).collect()
     }
 
-    fn refuses_external(spec: &Spec, states_steps: bool) -> Option<String> {
+    fn refuses_external(spec: &Spec, derivatives: Derivatives) -> Option<String> {
         let is_by_slopes = matches!(spec.estimator, Estimator::Laplace | Estimator::Linear);
-        (is_by_slopes && !states_steps).then(|| {
+        (is_by_slopes && derivatives == Derivatives::UsualSteps).then(|| {
             format!(
-                "the estimator `{}` needs derivatives, which a model that is asked outside has by differences alone: state `steps` \
-                 of all uncertain parameters in the model, or take the estimator `nested`",
+                "the estimator `{}` needs derivatives, which this model does not state: give it `steps` of differences for all \
+                 uncertain parameters, \"derivatives\": \"served\" where a server offers them, or take the estimator `nested`",
                 spec.estimator.name()
             )
         })

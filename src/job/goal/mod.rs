@@ -30,6 +30,7 @@ use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::GoalForm;
 
 /// The kind `goal`.
@@ -59,7 +60,7 @@ impl JobKind for Kind {
         std::iter::once(of_all).chain(of_each).map(number).collect()
     }
 
-    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+    fn refuses_external(_spec: &Spec, _derivatives: Derivatives) -> Option<String> {
         None
     }
 

@@ -20,6 +20,7 @@ use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::HistoryForm;
 
 /// The kind `margins-from-history`.
@@ -45,7 +46,7 @@ impl JobKind for Kind {
         output.groups.iter().filter_map(number).collect()
     }
 
-    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+    fn refuses_external(_spec: &Spec, _derivatives: Derivatives) -> Option<String> {
         None
     }
 

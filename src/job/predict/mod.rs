@@ -30,6 +30,7 @@ use crate::study::resolved::Blocked;
 use crate::study::resolved::PosteriorReference;
 use crate::study::resolved::Upstream;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::PredictForm;
 
 /// The kind `predict`.
@@ -56,7 +57,7 @@ impl JobKind for Kind {
         propagate::key_numbers(&output.posterior)
     }
 
-    fn refuses_external(_spec: &Prediction, _states_steps: bool) -> Option<String> {
+    fn refuses_external(_spec: &Prediction, _derivatives: Derivatives) -> Option<String> {
         None
     }
 

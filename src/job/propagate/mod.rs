@@ -17,6 +17,7 @@ pub mod output;
 pub mod reached;
 mod resolve;
 mod run;
+mod so_far;
 mod summary;
 pub mod view;
 
@@ -46,6 +47,7 @@ use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
 use crate::study::resolved::PosteriorReference;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 
 /// The kind `propagate`.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +72,7 @@ impl JobKind for Kind {
         key_numbers(output)
     }
 
-    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+    fn refuses_external(_spec: &Spec, _derivatives: Derivatives) -> Option<String> {
         None
     }
 

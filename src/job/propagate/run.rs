@@ -141,7 +141,7 @@ impl Propagate {
 
     /// Samples in a block; part of the job's identity.
     fn block_samples(&self) -> u64 {
-        if self.network.external().is_some() { EXTERNAL_BLOCK } else { BLOCK }
+        if self.network.external().is_some_and(|own| !own.is_surrogate()) { EXTERNAL_BLOCK } else { BLOCK }
     }
 
     /// The same with draws in place of the priors of some parameters; posteriors without draws yet may stand among them, for
@@ -499,6 +499,10 @@ impl Job for Propagate {
 
     fn is_last(&self, (): &()) -> bool {
         true
+    }
+
+    fn so_far(&self, blocks: Done<Self>) -> Vec<String> {
+        self.met_so_far(&blocks)
     }
 
     fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {

@@ -36,6 +36,7 @@ use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolved::Blocked;
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::SensitivityForm;
 
 /// The kind `sensitivity`.
@@ -61,10 +62,11 @@ impl JobKind for Kind {
         key_numbers::key_numbers(output)
     }
 
-    fn refuses_external(spec: &Spec, states_steps: bool) -> Option<String> {
-        (!states_steps && (spec.has(Method::Local) || spec.has(Method::Derivative))).then(|| {
-            "the methods `local` and `derivative` need derivatives, which a model that is asked outside has by differences alone: \
-             state `steps` of all uncertain parameters in the model, or take the methods `morris` and `sobol`"
+    fn refuses_external(spec: &Spec, derivatives: Derivatives) -> Option<String> {
+        let is_by_slopes = spec.has(Method::Local) || spec.has(Method::Derivative);
+        (is_by_slopes && derivatives == Derivatives::UsualSteps).then(|| {
+            "the methods `local` and `derivative` need derivatives, which this model does not state: give it `steps` of differences \
+             for all uncertain parameters, \"derivatives\": \"served\" where a server offers them, or take the methods `morris` and `sobol`"
                 .to_owned()
         })
     }

@@ -5,6 +5,7 @@ use super::{Method, Spec};
 use crate::document::{Spanned, code};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::{Offered, environments, failure_limit, number, quantities, samples};
+use crate::thermal::Derivatives;
 
 /// Scrambles where a job says nothing.
 const SCRAMBLES: u64 = 8;
@@ -23,7 +24,7 @@ pub(super) fn resolve(scope: &mut Scope, form: &SensitivityForm, offered: &Offer
     let requirements = if form.quantities.is_some() { &[] } else { offered.requirements };
     let quantities = quantities(scope, form.quantities.as_ref(), requirements, offered);
     let methods = match &form.methods {
-        None if scope.resolved.external.as_ref().is_some_and(|external| !external.states_steps) => {
+        None if scope.resolved.derivatives() == Some(Derivatives::UsualSteps) => {
             vec![Method::Morris, Method::Sobol]
         }
         None => vec![Method::Local, Method::Morris, Method::Sobol, Method::Derivative],

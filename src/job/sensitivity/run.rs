@@ -147,7 +147,8 @@ impl Sensitivity {
 
     /// Solves of a block of rows, about, and trajectories of a block; part of the identity.
     fn block_sizes(&self) -> (u64, u64) {
-        if self.network.external().is_some() { EXTERNAL_BLOCK } else { (BLOCK_SOLVES, BLOCK_TRAJECTORIES) }
+        let is_slow = self.network.external().is_some_and(|own| !own.is_surrogate());
+        if is_slow { EXTERNAL_BLOCK } else { (BLOCK_SOLVES, BLOCK_TRAJECTORIES) }
     }
 
     /// The uncertain parameters by name.

@@ -26,6 +26,7 @@ use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::Offered;
 use crate::study::resolved::{Blocked, Upstream};
 use crate::study::{self, Pass};
+use crate::thermal::Derivatives;
 use form::SurrogateForm;
 
 /// The kind `surrogate`.
@@ -65,7 +66,7 @@ impl JobKind for Kind {
         Some(JobSpec::of(Spec))
     }
 
-    fn refuses_external(_spec: &Spec, _states_steps: bool) -> Option<String> {
+    fn refuses_external(_spec: &Spec, _derivatives: Derivatives) -> Option<String> {
         None
     }
 

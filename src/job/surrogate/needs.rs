@@ -15,12 +15,15 @@ use crate::job::JobError;
 use crate::math::special::normal_cdf;
 use crate::measurement::{Measurement, Rows};
 use crate::random::StreamKey;
+use crate::study::model::surrogate;
 use crate::study::resolve::settings::NOMINAL;
 use crate::thermal::{Model, Network, Point, Start, Workspace};
 
 /// Draws of the posterior, and samples of the prior, at which errors are looked at.
 const DRAWS: usize = 128;
 const SAMPLES: usize = 256;
+/// Points among which anchors of the errors are chosen.
+pub(super) const TOGETHER: usize = 192;
 /// Expected share of samples on the wrong side of a requirement's limit that is small enough.
 const WRONG_SIDE: f64 = 0.001;
 /// Share of the outputs' spread that is small enough where nothing else is asked.
@@ -44,6 +47,8 @@ pub(super) struct Assessed {
     pub readings: Vec<ReadingError>,
     /// Why the posterior could not be had, where there are readings.
     pub no_posterior: Option<String>,
+    /// Where errors must go together as they do: phases of the readings at draws of the posterior; empty without any.
+    pub posterior: Vec<Point>,
 }
 
 /// A surrogate's network, asked for quantities with the slopes by the errors of its outputs.
@@ -51,7 +56,7 @@ struct Probe<'a> {
     surrogate: &'a Surrogate,
     network: Network,
     workspace: Workspace,
-    /// The surrogate's errors are these parameters.
+    /// The surrogate's errors are these parameters. There are no anchors yet, so that each output has one that is its error.
     errors: std::ops::Range<usize>,
     slopes: Vec<f64>,
 }
@@ -83,10 +88,10 @@ impl Probed {
 }
 
 impl<'a> Probe<'a> {
-    fn new(model: &Model, surrogate: &'a Surrogate) -> Result<Self, JobError> {
+    fn new(model: &Model, surrogate: &'a Surrogate, settings: &surrogate::Surrogate) -> Result<Self, JobError> {
         let errors = model.external.as_ref().map_or(0..0, |external| external.errors.clone());
         let symbol = |place: usize| Symbol::Parameter(u32::try_from(place).unwrap_or(u32::MAX));
-        let symbols: Vec<Symbol> = errors.clone().map(symbol).collect();
+        let symbols: Vec<Symbol> = settings.rests(errors.start).map(symbol).collect();
         let network = Network::compile(model, &symbols).map_err(|error| JobError::Failed(error.to_string()))?;
         let (workspace, slopes) = (network.workspace(), vec![0.0; network.quantities() * symbols.len()]);
         Ok(Self { surrogate, network, workspace, errors, slopes })
@@ -108,12 +113,29 @@ impl<'a> Probe<'a> {
     }
 }
 
+/// Phases of the measurements at draws of the posterior, all phases of a draw before those of the next.
+fn together(measurements: &[&Measurement], draws: &[Vec<f64>]) -> Vec<Point> {
+    let phases: Vec<&Vec<f64>> = (measurements.iter())
+        .filter_map(|measurement| match &measurement.rows {
+            Rows::Steady(phases) => Some(phases),
+            Rows::Transient { .. } => None,
+        })
+        .flatten()
+        .filter(|phase| phase.ignored.is_none())
+        .map(|phase| &phase.inputs)
+        .collect();
+    let stride = (draws.len() * phases.len()).div_ceil(TOGETHER).max(1);
+    let point = |draw: &Vec<f64>, inputs: &Vec<f64>| Point { parameters: draw.clone(), inputs: inputs.clone() };
+    let draws = draws.iter().step_by(stride);
+    draws.flat_map(|draw| phases.iter().map(move |inputs| point(draw, inputs))).take(TOGETHER).collect()
+}
+
 impl Train {
     /// The model with a surrogate in its place.
     fn model_with(&self, surrogate: &Surrogate) -> Model {
         let mut model = self.inputs.model.as_ref().clone();
         if let Some(external) = &mut model.external {
-            external.evaluator = Some(Arc::new(Answers::of(surrogate.clone())));
+            external.evaluator = Some(Arc::new(Answers::of(surrogate.clone(), self.surrogate.anchors)));
         }
         model
     }
@@ -126,13 +148,17 @@ impl Train {
         round: u64,
     ) -> Result<Assessed, JobError> {
         let model = self.model_with(surrogate);
-        let mut probe = Probe::new(&model, surrogate)?;
-        let mut assessed = Assessed { needs: Vec::new(), readings: Vec::new(), no_posterior: None };
+        let mut probe = Probe::new(&model, surrogate, &self.surrogate)?;
+        let mut assessed =
+            Assessed { needs: Vec::new(), readings: Vec::new(), no_posterior: None, posterior: Vec::new() };
         let steady: Vec<&Measurement> =
             self.inputs.measurements.iter().filter(|own| matches!(own.rows, Rows::Steady(_))).collect();
         if !steady.is_empty() {
             match self.posterior(&model, &steady, round) {
-                Ok(draws) => self.needs_of_readings(&mut probe, &steady, &draws, emulations, &mut assessed),
+                Ok(draws) => {
+                    self.needs_of_readings(&mut probe, &steady, &draws, emulations, &mut assessed);
+                    assessed.posterior = together(&steady, &draws);
+                }
                 Err(reason) => assessed.no_posterior = Some(reason),
             }
         }
@@ -146,7 +172,11 @@ impl Train {
     /// Draws of the posterior of all steady readings under the surrogate, its error included: parameters of the model.
     fn posterior(&self, model: &Model, measurements: &[&Measurement], round: u64) -> Result<Vec<Vec<f64>>, String> {
         let priors = &self.inputs.priors;
-        let parameters: Vec<usize> = (0..priors.len()).filter(|&place| !priors[place].is_fixed()).collect();
+        // Anchors are chosen at the end: until then their numbers are without effect.
+        let first = model.external.as_ref().map_or(priors.len(), |external| external.errors.start);
+        let rests: Vec<usize> = self.surrogate.rests(first).collect();
+        let is_inferred = |place: &usize| !priors[*place].is_fixed() && (*place < first || rests.contains(place));
+        let parameters: Vec<usize> = (0..priors.len()).filter(is_inferred).collect();
         let likelihood = Likelihood::new(&Definition {
             model,
             priors,

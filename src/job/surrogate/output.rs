@@ -24,6 +24,11 @@ pub struct OutputError {
     pub error_where_needed: Option<f64>,
     /// Factor by which the process' own standard deviation is widened, as runs left out asked for it.
     pub widened: f64,
+    /// Points at which the error is a parameter of its own.
+    pub anchors: u64,
+    /// Share of the error's variance that these leave, where they were chosen: it counts as the same number of standard deviations
+    /// at all points. `null` of a constant.
+    pub beside_anchors: Option<f64>,
 }
 
 /// How well a sensor's readings are foretold where the posterior lies, SI.

@@ -6,12 +6,14 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::needs::{Assessed, Need};
+use super::needs::{Assessed, Need, TOGETHER};
 use super::output::{Output, OutputError, Round, Trained};
 use crate::inference::gaussian_process::GaussianProcessError;
+use crate::inference::gaussian_process::emulator::Foretold;
 use crate::inference::surrogate::choice::choose;
 use crate::inference::surrogate::{Axis, Emulation, Run, Space, Surrogate};
 use crate::job::calibrate;
+use crate::job::stored::Block;
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::math::functions::ln;
 use crate::measurement::Rows;
@@ -145,10 +147,49 @@ impl Train {
         asked
     }
 
+    /// Chooses the anchors of each output's error: where the posterior lies, or without readings within priors and ranges.
+    /// Gives the share of each error's variance there that they leave; nothing of a constant.
+    fn place_anchors(
+        &self,
+        surrogate: &Surrogate,
+        runs: &[Run],
+        emulations: &mut [Emulation],
+        posterior: &[Point],
+    ) -> Result<Vec<Option<f64>>, JobError> {
+        let samples: Vec<Point>;
+        let points = if posterior.is_empty() {
+            samples = (0..TOGETHER).map(|index| self.sample(index)).collect();
+            &samples
+        } else {
+            posterior
+        };
+        let coordinates: Vec<Vec<f64>> = points.iter().filter_map(|point| surrogate.coordinates(point).ok()).collect();
+        for (own, anchors) in emulations.iter_mut().zip(surrogate.anchors(&coordinates, self.surrogate.anchors)) {
+            own.anchors = anchors;
+        }
+        let anchored = Surrogate::new(self.space.clone(), runs, emulations).map_err(|error| Self::failed(&error))?;
+        let left = |foretold: Vec<Foretold>| {
+            let (mut rest, mut all) = (0.0, 0.0);
+            for own in foretold {
+                let square = own.rest * own.rest;
+                rest += square;
+                all += square + own.parts.iter().map(|part| part * part).sum::<f64>();
+            }
+            (all > 0.0).then(|| rest / all)
+        };
+        Ok(anchored.foretold(&coordinates).into_iter().map(left).collect())
+    }
+
     /// What came of it, with what must be known of it.
-    fn output(&self, progress: Progress, emulations: Vec<Emulation>, assessed: Assessed) -> Output {
-        let outputs = self.surrogate.outputs.iter().enumerate().zip(&emulations);
-        let outputs = outputs.map(|((place, (name, unit)), own)| {
+    fn output(
+        &self,
+        progress: Progress,
+        emulations: Vec<Emulation>,
+        assessed: Assessed,
+        left: &[Option<f64>],
+    ) -> Output {
+        let outputs = self.surrogate.outputs.iter().enumerate().zip(&emulations).zip(left);
+        let outputs = outputs.map(|(((place, (name, unit)), own), left)| {
             let spread = spread(&progress.runs[..progress.first_runs.min(progress.runs.len())], place);
             let late = own.left_out.errors.get(progress.first_runs..).unwrap_or_default();
             let square: f64 = late.iter().map(|error| error * error).sum();
@@ -161,6 +202,8 @@ impl Train {
                 worst: own.left_out.worst,
                 error_where_needed: (!late.is_empty()).then(|| (square / late.len() as f64).sqrt()),
                 widened: own.factor,
+                anchors: own.anchors.len() as u64,
+                beside_anchors: *left,
             }
         });
         let names = self.space.axes.iter().filter_map(|axis| self.space.names.get(axis.place).cloned());
@@ -298,7 +341,7 @@ impl Job for Train {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
@@ -328,11 +371,20 @@ impl Job for Train {
         Ok(Step::Blocks { stage: "runs".to_owned(), state: Progress::default(), inputs })
     }
 
-    fn block(&self, _progress: &Progress, ask: Ask, _parts: &dyn Parts) -> Result<Answer, JobError> {
+    fn block(&self, _progress: &Progress, ask: Ask, parts: &dyn Parts) -> Result<Answer, JobError> {
+        // A run follows from the model and its inputs alone, whatever the pass wants of it.
+        let of = (self.surrogate.answered_by.to_string(), ask.clone()).into_bytes()?;
+        if let Some(known) = parts.shared(&of) {
+            return Answer::from_bytes(&known, "runs");
+        }
         let point = Point { parameters: ask.parameters, inputs: ask.inputs };
         let answer = self.surrogate.truth.evaluate(std::slice::from_ref(&point)).pop();
         let answer = answer.ok_or_else(|| JobError::Failed("the model was not asked".to_owned()))?;
-        Ok(Answer(answer.map_err(|fault| fault.to_string())))
+        let answer = Answer(answer.map_err(|fault| fault.to_string()));
+        if answer.0.is_ok() {
+            parts.share(&of, &answer.clone().into_bytes()?);
+        }
+        Ok(answer)
     }
 
     fn reduce(&self, mut progress: Progress, blocks: Done<Self>) -> Result<Step<Self>, JobError> {
@@ -357,7 +409,7 @@ impl Job for Train {
             )));
         }
         let key = StreamKey::new(self.seed, &self.name, "processes");
-        let emulations = Surrogate::fit(&self.space, &progress.runs, &key).map_err(|error| Self::failed(&error))?;
+        let mut emulations = Surrogate::fit(&self.space, &progress.runs, &key).map_err(|error| Self::failed(&error))?;
         let surrogate = Surrogate::new(self.space.clone(), &progress.runs, &emulations);
         let surrogate = surrogate.map_err(|error| Self::failed(&error))?;
         let round = progress.rounds.len() as u64;
@@ -370,6 +422,7 @@ impl Job for Train {
                 return Ok(Step::Blocks { stage: format!("round {}", round + 1), state: progress, inputs });
             }
         }
-        Ok(Step::Done(Box::new(self.output(progress, emulations, assessed))))
+        let left = self.place_anchors(&surrogate, &progress.runs, &mut emulations, &assessed.posterior)?;
+        Ok(Step::Done(Box::new(self.output(progress, emulations, assessed, &left))))
     }
 }

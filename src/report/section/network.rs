@@ -23,8 +23,8 @@ pub(super) const SECTION: Entry = Entry::plain(build);
 fn build(report: &PassReport<'_>) -> Option<Section> {
     let model = report.model;
     if let Some(external) = &model.external {
-        // A surrogate gives the error of each output beside it.
-        let outputs = if external.errors.is_empty() { external.outputs } else { external.errors.len() };
+        // A surrogate gives the parts of each output's error beside it, one for each parameter that is an error.
+        let outputs = external.outputs.saturating_sub(external.errors.len());
         let words = format!(
             "This model is no network: {} gives {} for its parameters and inputs, in a steady state. The keys of the jobs hold what \
              it is.",

@@ -10,6 +10,9 @@ use crate::report::view::PassReport;
 
 use super::Entry;
 
+/// Needs are stated down to this.
+const SMALL: f64 = 0.000_001;
+
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Surrogate);
 
@@ -64,8 +67,8 @@ fn warnings(output: &Output) -> Vec<Block> {
 fn opening(name: &str, output: &Output) -> Text {
     let words = format!(
         ": a Gaussian process for each output over {} in place of {}. {} lie within the priors and the inputs' ranges, {} where readings \
-         or requirements needed them. The error of each output is a parameter of its own, a standard normal number times the process' \
-         standard deviation at the point: so every result carries it.",
+         or requirements needed them. The error of each output is a sum of standard normal parameters, some of them its values at anchors: it \
+         has the process' standard deviation at each point, and goes together at near points. So every result carries it.",
         output.coordinates.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
         output.model,
         counted(usize::try_from(output.first_runs).unwrap_or(usize::MAX), "run"),
@@ -87,12 +90,15 @@ fn outputs(output: &Output) -> Block {
             significant(own.worst, 2).into(),
             own.error_where_needed.map_or_else(|| NONE.to_owned(), |error| significant(error, 2)).into(),
             significant(own.widened, 3).into(),
+            own.beside_anchors.map_or_else(|| NONE.to_owned(), |share| percent(share, 2)).into(),
         ]
     });
     Block::Table(Table {
         caption: "Cross-validated error of each output: root mean square over runs that were left out one by one, hyperparameters \
                   fitted in ten folds; beside the output's standard deviation over the priors. Where needed: of the runs of the rounds \
-                  alone. Widened: the factor on the process' standard deviation that the runs left out asked for."
+                  alone. Widened: the factor on the process' standard deviation that the runs left out asked for. Beside anchors: the share of \
+                  the error's variance that the parameters at the anchors leave; it counts as the same number of standard deviations at \
+                  all points."
             .into(),
         columns: vec![
             Column::text("Output"),
@@ -103,6 +109,7 @@ fn outputs(output: &Output) -> Block {
             Column::number("Largest", ""),
             Column::number("Where needed", ""),
             Column::number("Widened", ""),
+            Column::number("Beside anchors", ""),
         ],
         rows: rows.collect(),
     })
@@ -128,8 +135,8 @@ fn readings(output: &Output) -> Option<Block> {
         .collect();
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: "Error of the surrogate where the posterior lies, beside the noise of each sensor. Marked: below the noise; below it \
-                      there, though the cross-validated error over all runs is not; above it."
+            caption: "Error of the surrogate where the posterior lies, beside the noise of each sensor. It is marked as good below the noise, with \
+                      caution where the cross-validated error over all runs exceeds the noise, and as bad above the noise."
                 .into(),
             columns: vec![
                 Column::text("Sensor"),
@@ -152,7 +159,10 @@ fn rounds(output: &Output) -> Option<Block> {
             vec![
                 runs.to_string().into(),
                 Cell::from(Text::with_names(&need.what)),
-                Cell::marked(significant(need.error, 2), status),
+                Cell::marked(
+                    if need.error < SMALL { format!("< {SMALL}") } else { significant(need.error, 2) },
+                    status,
+                ),
                 significant(need.allowed, 2).into(),
             ]
         })

@@ -22,6 +22,8 @@ pub enum Kind {
     Result,
     /// Output of a block.
     Block,
+    /// A run of a model outside, which follows from its inputs alone, whichever job asked first.
+    Run,
 }
 
 impl Kind {
@@ -29,11 +31,12 @@ impl Kind {
         match self {
             Self::Result => "result",
             Self::Block => "block",
+            Self::Run => "run",
         }
     }
 
     fn from_word(word: &str) -> Option<Self> {
-        [Self::Result, Self::Block].into_iter().find(|kind| kind.word() == word)
+        [Self::Result, Self::Block, Self::Run].into_iter().find(|kind| kind.word() == word)
     }
 }
 

@@ -80,7 +80,7 @@ impl Cache {
                     statistics.results += 1;
                     statistics.result_bytes += stored.bytes;
                 }
-                Some(Kind::Block) => {
+                Some(Kind::Block | Kind::Run) => {
                     statistics.blocks += 1;
                     statistics.block_bytes += stored.bytes;
                 }

@@ -184,7 +184,16 @@ impl<'a> Driver<'a> {
         });
         let limits = match state.limits {
             Some(limits) => limits,
-            None => self.scheduler.limits(&self.record.options).map_err(|error| self.refused(error))?,
+            None => {
+                let limits = self.scheduler.limits(&self.record.options).map_err(|error| self.refused(error))?;
+                if limits.keeps_accounts == Some(false) {
+                    self.tell(format!(
+                        "this {} keeps no accounts: why a task ended is known for some minutes only",
+                        self.scheduler.name()
+                    ));
+                }
+                limits
+            }
         };
         state.limits = Some(limits);
         let options = &self.record.options;
@@ -406,9 +415,12 @@ impl<'a> Driver<'a> {
             }
             self.tell(format!("array {job}, shard {shard} on {node}: {why}"));
             let is_final = code == "65" || code == "64";
+            // A shard whose time was over and that got further may go on as often as it does.
+            let got_further = code == "75" && record.as_ref().is_some_and(|record| record.blocks_run > 0);
             for mut block in blocks {
                 let twice = block.causes.iter().any(|(other, own)| *own == code && *other != node && code != "75");
                 block.causes.push((node.clone(), code.clone()));
+                block.attempt -= u32::from(got_further && block.attempt > 0);
                 if is_final || twice || block.attempt >= MOST_ATTEMPTS {
                     let attempts = if is_final {
                         String::new()
@@ -422,7 +434,7 @@ impl<'a> Driver<'a> {
                     settled.push(Settled { ticket: block.wanted.ticket, result: Err(failed(&block, reason)) });
                     continue;
                 }
-                let delay = self.record.options.retry_delay_s << (block.attempt - 1).min(16);
+                let delay = self.record.options.retry_delay_s << block.attempt.saturating_sub(1).min(16);
                 block.ready_at = Instant::now() + Duration::from_secs(delay);
                 state.wanted.push(block);
             }

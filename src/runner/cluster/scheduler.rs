@@ -26,6 +26,8 @@ pub struct Limits {
     pub jobs: Option<usize>,
     /// Processors of the machines that may be used.
     pub processors: Option<usize>,
+    /// Whether how tasks ended is kept for long; nothing where it is not known.
+    pub keeps_accounts: Option<bool>,
 }
 
 /// An array, or a single job, that is to be submitted.

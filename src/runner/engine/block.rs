@@ -13,7 +13,7 @@ use crate::job::{JobError, Parts, Runnable, Stage};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
-use crate::runner::key::{Key, block_key};
+use crate::runner::key::{Key, block_key, shared_key};
 use crate::watch::{self, Share, Stopped};
 
 /// A job whose code is called.
@@ -94,7 +94,11 @@ impl<'a> Blocks<'a> {
     }
 
     fn found(&self, name: Key) -> Option<Vec<u8>> {
-        match self.cache.get(Kind::Block, &name) {
+        self.found_as(Kind::Block, name)
+    }
+
+    fn found_as(&self, kind: Kind, name: Key) -> Option<Vec<u8>> {
+        match self.cache.get(kind, &name) {
             Lookup::Found(bytes) => Some(bytes),
             Lookup::Absent => None,
             Lookup::Damaged => {
@@ -166,6 +170,16 @@ impl Parts for KeptParts<'_, '_> {
     fn keep(&self, part: u64, state: &[u8]) {
         self.last.set(Instant::now());
         if let Err(error) = self.blocks.store(Kind::Block, self.owner, &self.name(part), state) {
+            self.refused.replace(Some(error));
+        }
+    }
+
+    fn shared(&self, of: &[u8]) -> Option<Vec<u8>> {
+        if self.blocks.force { None } else { self.blocks.found_as(Kind::Run, shared_key(of)) }
+    }
+
+    fn share(&self, of: &[u8], found: &[u8]) {
+        if let Err(error) = self.blocks.store(Kind::Run, self.owner, &shared_key(of), found) {
             self.refused.replace(Some(error));
         }
     }

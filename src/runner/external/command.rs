@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
+use std::process::ExitStatus;
 use std::time::Duration;
 
 use serde_json::{Map, Value};
@@ -90,6 +91,12 @@ pub(super) fn call(call: &Call<'_>, command: &Command) -> Result<Vec<f64>, Failu
         End::Exited(status) => {
             let is_accepted = status.code().and_then(|code| u64::try_from(code).ok());
             if !is_accepted.is_some_and(|code| command.exit_codes.contains(&code)) {
+                if let Some(signal) = from_outside(status) {
+                    // A machine that is taken away, a shortage of memory: it says nothing of the point.
+                    let why =
+                        format!("the program was ended from outside ({signal}), so nothing is known of its point");
+                    return Err(Failure::Broken(why));
+                }
                 let said = last_words(&errors).or_else(|| last_words(&output));
                 let said = said.map_or_else(String::new, |said| format!("; it said last: {said}"));
                 return Err(Failure::at("the program did not succeed", format!("{status}{said}")));
@@ -102,6 +109,20 @@ pub(super) fn call(call: &Call<'_>, command: &Command) -> Result<Vec<f64>, Failu
 #[cfg(unix)]
 fn link(from: &Path, to: &Path) -> std::io::Result<()> {
     std::os::unix::fs::symlink(from, to)
+}
+
+/// The signal by which somebody else ended a program, or what its shell says of one.
+fn from_outside(status: ExitStatus) -> Option<&'static str> {
+    use std::os::unix::process::ExitStatusExt;
+    // A shell adds 128 to the signal of what it ran.
+    let signal = status.signal().or_else(|| status.code()?.checked_sub(128))?;
+    Some(match signal {
+        1 => "SIGHUP",
+        2 => "SIGINT",
+        9 => "SIGKILL, as where memory is short",
+        15 => "SIGTERM",
+        _ => return None,
+    })
 }
 
 /// The last line of a stream that is not empty.

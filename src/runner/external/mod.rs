@@ -9,6 +9,7 @@ mod command;
 pub mod output;
 pub mod process;
 mod umbridge;
+mod umbridge_slopes;
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -17,7 +18,7 @@ use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use crate::study::external::{External, How, Lender};
-use crate::thermal::{Evaluator, Fault, Point};
+use crate::thermal::{Evaluator, Fault, Point, SlopesAt};
 use crate::watch;
 
 pub use access::Access;
@@ -29,6 +30,24 @@ const GLANCE: Duration = Duration::from_millis(20);
 /// Pause before a server that was gone is asked again, doubled each time up to the longest.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+
+/// What is asked of a model at a point.
+#[derive(Clone, Copy, Debug)]
+enum Question<'a> {
+    /// The outputs.
+    Outputs(&'a Point),
+    /// Slopes of the outputs.
+    Slopes(&'a SlopesAt),
+}
+
+impl Question<'_> {
+    fn point(&self) -> &Point {
+        match self {
+            Self::Outputs(point) => point,
+            Self::Slopes(asked) => &asked.point,
+        }
+    }
+}
 
 /// Lends what asks models outside: equal models have one, so that they share how many calls are made at a time.
 #[derive(Debug, Default)]
@@ -101,14 +120,13 @@ impl Asker {
             How::Command(command) => self.access.command(&self.external, command).map(|()| None),
             How::UmBridge(model) => {
                 let server = Server::new(&self.external, model, self.access.is_remote_allowed())?;
-                server.check(&self.external, model)?;
-                Ok(Some(server))
+                Ok(Some(server.checked(&self.external, model)?))
             }
         })
     }
 
-    /// The outputs at a point: a call, repeated where it fails.
-    fn answer(&self, point: &Point, is_over: &dyn Fn() -> bool) -> Result<Vec<f64>, Fault> {
+    /// The answer to a question: a call, repeated where it fails.
+    fn answer(&self, question: Question<'_>, is_over: &dyn Fn() -> bool) -> Result<Vec<f64>, Fault> {
         let cannot = |detail: &str| Fault { what: "the model cannot be asked", detail: detail.to_owned() };
         if let Some(reason) = self.broken.get() {
             return Err(cannot(reason));
@@ -117,6 +135,7 @@ impl Asker {
             Ok(server) => server.as_ref(),
             Err(reason) => return Err(cannot(self.broken.get_or_init(|| reason.clone()))),
         };
+        let point = question.point();
         let given: Vec<f64> = (point.parameters.iter().chain(&point.inputs).enumerate())
             .map(|(place, value)| self.external.shown(place, *value))
             .collect();
@@ -124,13 +143,19 @@ impl Asker {
         let mut pause = FIRST_PAUSE;
         let mut attempt = 0;
         let failure = loop {
-            let answered = match (&self.external.how, server) {
-                (How::Command(command), _) => command::call(&call, command),
-                (How::UmBridge(model), Some(server)) => server.call(&call, model),
-                (How::UmBridge(_), None) => Err(Failure::Broken("the server was not looked for".to_owned())),
+            let answered = match (&self.external.how, server, question) {
+                (How::Command(command), _, Question::Outputs(_)) => {
+                    command::call(&call, command).and_then(|numbers| call.outputs(&numbers))
+                }
+                (How::Command(_), _, Question::Slopes(_)) => Err(Failure::Broken("a program has no slopes".to_owned())),
+                (How::UmBridge(model), Some(server), Question::Outputs(_)) => {
+                    server.call(&call, model).and_then(|numbers| call.outputs(&numbers))
+                }
+                (How::UmBridge(model), Some(server), Question::Slopes(asked)) => server.slopes(&call, model, asked),
+                (How::UmBridge(_), None, _) => Err(Failure::Broken("the server was not looked for".to_owned())),
             };
-            let failure = match answered.and_then(|numbers| call.outputs(&numbers)) {
-                Ok(outputs) => return Ok(outputs),
+            let failure = match answered {
+                Ok(numbers) => return Ok(numbers),
                 Err(failure) => failure,
             };
             let is_repeated = !matches!(failure, Failure::Refused(_)) && attempt < self.external.calls.retries;
@@ -172,26 +197,26 @@ impl Asker {
         Some(Permit(self))
     }
 
-    fn one(&self, point: &Point, is_over: &dyn Fn() -> bool) -> Result<Vec<f64>, Fault> {
+    fn one(&self, question: Question<'_>, is_over: &dyn Fn() -> bool) -> Result<Vec<f64>, Fault> {
         match self.permit(is_over) {
-            Some(_permit) => self.answer(point, is_over),
+            Some(_permit) => self.answer(question, is_over),
             None => Err(Fault { what: "the model was not asked", detail: "the run was left".to_owned() }),
         }
     }
 
-    /// Each point once, several at a time.
-    fn all(&self, points: &[&Point]) -> Vec<Result<Vec<f64>, Fault>> {
+    /// Each question once, several at a time.
+    fn all(&self, questions: &[Question<'_>]) -> Vec<Result<Vec<f64>, Fault>> {
         // A stop unwinds from here; what runs then is ended by whoever waits for it.
         let go_on = || {
             watch::check();
             false
         };
-        if let [point] = points {
-            return vec![self.one(point, &go_on)];
+        if let [question] = questions {
+            return vec![self.one(*question, &go_on)];
         }
         let (left, next) = (AtomicBool::new(false), AtomicUsize::new(0));
-        let workers = usize::try_from(self.at_once).unwrap_or(usize::MAX).min(points.len());
-        let mut answers: Vec<Option<Result<Vec<f64>, Fault>>> = vec![None; points.len()];
+        let workers = usize::try_from(self.at_once).unwrap_or(usize::MAX).min(questions.len());
+        let mut answers: Vec<Option<Result<Vec<f64>, Fault>>> = vec![None; questions.len()];
         std::thread::scope(|scope| {
             let leaving = Leaving(&left);
             let (sender, receiver) = channel();
@@ -199,11 +224,12 @@ impl Asker {
                 let (sender, left, next) = (sender.clone(), &left, &next);
                 scope.spawn(move || {
                     let is_over = || left.load(Ordering::Relaxed);
-                    while let Some(point) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < points.len())
+                    let take = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < questions.len());
+                    while let Some(place) = take()
                         && !is_over()
                     {
                         // Nobody listens any more where the run was left.
-                        let _ = sender.send((point, self.one(points[point], &is_over)));
+                        let _ = sender.send((place, self.one(questions[place], &is_over)));
                     }
                 });
             }
@@ -251,19 +277,24 @@ impl Evaluator for Asker {
 
     fn evaluate(&self, points: &[Point]) -> Vec<Result<Vec<f64>, Fault>> {
         // Equal points are asked once.
-        let mut distinct: Vec<&Point> = Vec::new();
+        let mut distinct: Vec<Question<'_>> = Vec::new();
         let mut places: HashMap<Vec<u64>, usize> = HashMap::new();
         let bits = |point: &Point| point.parameters.iter().chain(&point.inputs).map(|value| value.to_bits()).collect();
         let of: Vec<usize> = (points.iter())
             .map(|point| {
                 *places.entry(bits(point)).or_insert_with(|| {
-                    distinct.push(point);
+                    distinct.push(Question::Outputs(point));
                     distinct.len() - 1
                 })
             })
             .collect();
         let answers = self.all(&distinct);
         of.into_iter().map(|place| answers[place].clone()).collect()
+    }
+
+    fn slopes(&self, asked: &[SlopesAt]) -> Vec<Result<Vec<f64>, Fault>> {
+        let questions: Vec<Question<'_>> = asked.iter().map(Question::Slopes).collect();
+        self.all(&questions)
     }
 
     fn broken(&self) -> Option<String> {

@@ -1,4 +1,5 @@
-//! A server of the UM-Bridge protocol (Seelinger et al. 2023, J. Open Source Software 8, 4748; version 1.0), asked for values.
+//! A server of the UM-Bridge protocol (Seelinger et al. 2023, J. Open Source Software 8, 4748; version 1.0), asked for values;
+//! [`super::umbridge_slopes`] asks it for slopes.
 
 use std::net::{IpAddr, SocketAddr, ToSocketAddrs};
 use std::time::Duration;
@@ -8,7 +9,7 @@ use serde_json::{Value, json};
 use super::call::{Call, Failure};
 use crate::runner::http::client::{Answer, Client, Silence};
 use crate::study::external::{External, UmBridge};
-use crate::thermal::Fault;
+use crate::thermal::{Derivatives, Fault};
 
 /// Characters shown of an answer.
 const SHOWN: usize = 200;
@@ -20,6 +21,19 @@ const OF_ALL_POINTS: [&str; 3] = ["ModelNotFound", "UnsupportedFeature", "Invali
 pub(super) struct Server {
     client: Client,
     timeout: Duration,
+    /// What it offers of slopes.
+    pub(super) offers: Offers,
+}
+
+/// What a server offers of slopes, once it was asked.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Offers {
+    /// Whether it gives products of weights of an output vector with the Jacobian.
+    pub gradient: bool,
+    /// Whether it gives products of the Jacobian with a direction of an input vector.
+    pub apply_jacobian: bool,
+    /// Lengths of its output vectors.
+    pub gives: Vec<usize>,
 }
 
 impl Server {
@@ -40,17 +54,27 @@ impl Server {
         let addresses: Vec<SocketAddr> =
             host.to_socket_addrs().map_err(|error| format!("`{host}` has no address: {error}"))?.collect();
         let timeout = Duration::try_from_secs_f64(external.calls.timeout_s).unwrap_or(Duration::MAX / 4);
-        Ok(Self { client: Client::new(host, addresses), timeout })
+        Ok(Self { client: Client::new(host, addresses), timeout, offers: Offers::default() })
     }
 
-    /// Whether the model is there and has the vectors that the study says.
+    /// The server, once the model is there and has the vectors, and the slopes, that the study says.
     ///
     /// # Errors
     /// Nothing answers, or something else.
-    pub fn check(&self, external: &External, model: &UmBridge) -> Result<(), String> {
+    pub fn checked(self, external: &External, model: &UmBridge) -> Result<Self, String> {
         let about = self.asked(model, "/ModelInfo", json!({"name": model.name}))?;
-        if about.pointer("/support/Evaluate").and_then(Value::as_bool) != Some(true) {
+        let supports =
+            |what: &str| about.pointer(&format!("/support/{what}")).and_then(Value::as_bool).unwrap_or_default();
+        if !supports("Evaluate") {
             return Err(format!("the model `{}` of the server cannot be evaluated", model.name));
+        }
+        let (gradient, apply_jacobian) = (supports("Gradient"), supports("ApplyJacobian"));
+        if external.derivatives == Derivatives::Served && !gradient && !apply_jacobian {
+            return Err(format!(
+                "the study says that the derivatives of the model `{}` are served, and the server offers neither Gradient nor \
+                 ApplyJacobian: leave `derivatives` out, and state `steps` of differences where methods need them",
+                model.name
+            ));
         }
         let sizes = |path: &str, field: &str| -> Result<Vec<usize>, String> {
             let answer = self.asked(model, path, json!({"name": model.name, "config": model.config}))?;
@@ -80,13 +104,14 @@ impl Server {
             .iter()
             .zip(&external.outputs)
             .find(|([vector, place], _)| gives.get(*vector).is_none_or(|size| place >= size));
-        missing.map_or(Ok(()), |([vector, place], output)| {
-            Err(format!(
+        if let Some(([vector, place], output)) = missing {
+            return Err(format!(
                 "the model `{}` gives vectors of {gives:?} numbers, and `{}` would be number {place} of vector {vector} (from 0): \
                  state its place under `at`",
                 model.name, output.name
-            ))
-        })
+            ));
+        }
+        Ok(Self { offers: Offers { gradient, apply_jacobian, gives }, ..self })
     }
 
     /// The answer to a question that does not depend on the point.
@@ -111,12 +136,34 @@ impl Server {
         }
     }
 
+    /// The input vectors at a point.
+    pub(super) fn vectors(call: &Call<'_>, model: &UmBridge) -> Vec<Vec<f64>> {
+        let number = |place: &usize| call.given.get(*place).copied().unwrap_or(f64::NAN);
+        model.inputs.iter().map(|places| places.iter().map(number).collect()).collect()
+    }
+
     /// The numbers of the outputs at a point.
     pub fn call(&self, call: &Call<'_>, model: &UmBridge) -> Result<Vec<f64>, Failure> {
-        let number = |place: &usize| call.given.get(*place).copied().unwrap_or(f64::NAN);
-        let input: Vec<Vec<f64>> = model.inputs.iter().map(|places| places.iter().map(number).collect()).collect();
-        let body = json!({"name": model.name, "input": input, "config": model.config}).to_string();
-        let path = format!("{}/Evaluate", model.path);
+        let body = json!({"name": model.name, "input": Self::vectors(call, model), "config": model.config});
+        let value = self.answered(call, model, "/Evaluate", &body)?;
+        let at = |(place, output): (&[usize; 2], &crate::study::external::Output)| {
+            let found = value.pointer(&format!("/output/{}/{}", place[0], place[1]));
+            found.and_then(Value::as_f64).ok_or_else(|| {
+                Failure::at("the server's answer cannot be read", format!("it has no number for `{}`", output.name))
+            })
+        };
+        model.outputs.iter().zip(&call.external.outputs).map(at).collect()
+    }
+
+    /// The answer to a question about a point.
+    pub(super) fn answered(
+        &self,
+        call: &Call<'_>,
+        model: &UmBridge,
+        path: &str,
+        body: &Value,
+    ) -> Result<Value, Failure> {
+        let (path, body) = (format!("{}{path}", model.path), body.to_string());
         let response =
             self.client.post(&path, body.as_bytes(), self.timeout, call.is_over).map_err(|silence| match silence {
                 Silence::Unreachable(why) => Failure::Broken(format!("the server at {} is gone: {why}", model.host)),
@@ -126,25 +173,18 @@ impl Server {
                 Silence::Unreadable(why) => Failure::at("the server's answer cannot be read", why),
             })?;
         let value: Result<Value, _> = serde_json::from_slice(&response.body);
-        let value = match value {
-            Ok(value) if response.status < 400 && value.get("error").is_none() => value,
+        match value {
+            Ok(value) if response.status < 400 && value.get("error").is_none() => Ok(value),
             Ok(value) => {
                 let kind = value.pointer("/error/type").and_then(Value::as_str).unwrap_or_default();
                 if OF_ALL_POINTS.contains(&kind) {
                     return Err(Failure::Broken(format!("the server refuses: {}", said(&value, &response))));
                 }
-                return Err(refused(said(&value, &response)));
+                Err(refused(said(&value, &response)))
             }
-            Err(_) if response.status >= 400 => return Err(refused(shown(&response))),
-            Err(error) => return Err(Failure::at("the server's answer cannot be read", error.to_string())),
-        };
-        let at = |(place, output): (&[usize; 2], &crate::study::external::Output)| {
-            let found = value.pointer(&format!("/output/{}/{}", place[0], place[1]));
-            found.and_then(Value::as_f64).ok_or_else(|| {
-                Failure::at("the server's answer cannot be read", format!("it has no number for `{}`", output.name))
-            })
-        };
-        model.outputs.iter().zip(&call.external.outputs).map(at).collect()
+            Err(_) if response.status >= 400 => Err(refused(shown(&response))),
+            Err(error) => Err(Failure::at("the server's answer cannot be read", error.to_string())),
+        }
     }
 }
 

@@ -113,6 +113,16 @@ written_words! {
     }
 }
 
+written_words! {
+    /// Where slopes come from.
+    pub enum DerivativesForm: "derivatives" {
+        /// From finite differences.
+        "differences" => Differences,
+        /// From the server, which offers `Gradient` or `ApplyJacobian`.
+        "served" => Served,
+    }
+}
+
 written_struct! {
     /// A model of a server of the UM-Bridge protocol.
     pub struct UmBridgeForm: "a model of a server" {
@@ -131,9 +141,11 @@ written_struct! {
         optional config: Node,
         /// In which units numbers are exchanged.
         default(UnitsForm::AsWritten) units: UnitsForm,
+        /// Where slopes come from.
+        default(DerivativesForm::Differences) derivatives: DerivativesForm,
         /// Steps of finite differences, by parameter or input, in its unit.
         default(Map::default()) steps: Map<Amount>,
-        /// How long a request may take (10 minutes).
+        /// How long a request may take (an hour).
         optional timeout: Amount,
         /// How often a request that failed is tried again (2).
         optional retries: Spanned<u64>,

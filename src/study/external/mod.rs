@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::document::canonical;
 use crate::document::hash::sha256_hex;
 use crate::expression::Unit;
-use crate::thermal::Evaluator;
+use crate::thermal::{Derivatives, Evaluator};
 
 pub use command::{Command, Input, Place, Program, Separator, Table, Template};
 pub use form::{CommandForm, UmBridgeForm};
@@ -73,8 +73,8 @@ pub struct External {
     pub is_si: bool,
     /// Steps of finite differences by what is given, SI.
     pub steps: Vec<f64>,
-    /// Whether the study states the steps of all parameters that are not fixed.
-    pub states_steps: bool,
+    /// Where slopes come from.
+    pub derivatives: Derivatives,
     /// How calls are made.
     pub calls: Calls,
     /// What is asked.
@@ -88,8 +88,8 @@ pub trait Lender {
 }
 
 impl External {
-    /// What of it decides a result. How many calls are made at a time, and at which address a server is, does not.
-    pub fn identity(&self) -> Value {
+    /// What of it decides what it answers: how it is asked, and for what.
+    pub fn answered_by(&self) -> Value {
         let given: Vec<Value> =
             self.given.iter().map(|given| json!([given.name, given.unit.as_ref().map(|unit| &unit.text)])).collect();
         let outputs: Vec<Value> = self.outputs.iter().map(|output| json!([output.name, output.unit.text])).collect();
@@ -101,10 +101,37 @@ impl External {
             "given": given,
             "outputs": outputs,
             "units": if self.is_si { "si" } else { "as-written" },
-            "steps": self.steps,
-            "timeout_s": self.calls.timeout_s,
-            "retries": self.calls.retries,
         })
+    }
+
+    /// What of it decides a result. How many calls are made at a time, and at which address a server is, does not.
+    pub fn identity(&self) -> Value {
+        let mut identity = self.answered_by();
+        if let Some(fields) = identity.as_object_mut() {
+            fields.insert("steps".to_owned(), json!(self.steps));
+            fields.insert("timeout_s".to_owned(), json!(self.calls.timeout_s));
+            fields.insert("retries".to_owned(), json!(self.calls.retries));
+            if self.derivatives == Derivatives::Served {
+                fields.insert("derivatives".to_owned(), json!("served"));
+            }
+        }
+        identity
+    }
+
+    /// The change in SI of an output (by its place) whose number changes by so much.
+    pub fn slope_of_output(&self, place: usize, change: f64) -> f64 {
+        match self.outputs.get(place) {
+            Some(output) if !self.is_si => output.unit.difference_to_si(change),
+            _ => change,
+        }
+    }
+
+    /// The slope by a value in SI of what has this slope by the number that is given for it (by its place).
+    pub fn slope_by_given(&self, place: usize, slope: f64) -> f64 {
+        match self.given.get(place).and_then(|given| given.unit.as_ref()) {
+            Some(unit) if !self.is_si => unit.difference_from_si(slope),
+            _ => slope,
+        }
     }
 
     /// What it is, for people.

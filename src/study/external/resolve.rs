@@ -4,13 +4,19 @@ use crate::document::hash::sha256_hex;
 use crate::document::{Amount, Diagnostic, Diagnostics, Map, Place, Sense, Spanned, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::study::folder::{Folder, FolderError};
+use crate::thermal::Derivatives;
 
 use super::command::{self, Command, Input, Program, Separator, Table, Template};
-use super::form::{CommandForm, CsvFromForm, FromForm, InputForm, TemplateForm, UmBridgeForm, UnitsForm};
+use super::form::{
+    CommandForm, CsvFromForm, DerivativesForm, FromForm, InputForm, TemplateForm, UmBridgeForm, UnitsForm,
+};
 use super::{Calls, External, Given, How, Output, UmBridge};
 
 /// Seconds that a call may take where nothing is said.
 const TIMEOUT_S: f64 = 600.0;
+/// Seconds that a request to a server may take where nothing is said: models of servers run for ten minutes and more, and a request is
+/// not ended by being given up.
+const SERVER_TIMEOUT_S: f64 = 3600.0;
 /// Longest time of a call: a week.
 const LONGEST_S: f64 = 7.0 * 86_400.0;
 /// Most repetitions of a call.
@@ -48,7 +54,10 @@ struct Common<'f> {
     place: &'f Place,
     units: UnitsForm,
     steps: &'f Map<Amount>,
+    derivatives: DerivativesForm,
     timeout: &'f Option<Amount>,
+    /// Seconds of a call where nothing is said.
+    usual_timeout_s: f64,
     retries: &'f Option<Spanned<u64>>,
     /// Repetitions where nothing is said.
     usual_retries: u64,
@@ -124,6 +133,15 @@ impl Sources<'_> {
             (steps[place], stated[place]) = (step, true);
         }
         let states_steps = self.asked.iter().zip(&stated).all(|(asked, stated)| *stated || !asked.is_uncertain);
+        let derivatives = match common.derivatives {
+            DerivativesForm::Served => Derivatives::Served,
+            DerivativesForm::Differences if states_steps => Derivatives::StatedSteps,
+            DerivativesForm::Differences => Derivatives::UsualSteps,
+        };
+        if let (Derivatives::Served, Some(entry)) = (derivatives, common.steps.iter().next()) {
+            let message = "steps of differences beside derivatives that are served";
+            wrong(&entry.name_place, message, "one of `steps` and \"derivatives\": \"served\"", diagnostics);
+        }
         let mut limited = |written: &Option<Spanned<u64>>, least: u64, most: u64, what: &str| {
             let written = written.as_ref()?;
             if !(least..=most).contains(&written.value) {
@@ -134,7 +152,7 @@ impl Sources<'_> {
         };
         let retries = limited(common.retries, 0, MOST_RETRIES, "repetitions").unwrap_or(common.usual_retries);
         let at_once = limited(common.at_once, 1, MOST_AT_ONCE, "calls at a time");
-        let mut timeout_s = TIMEOUT_S;
+        let mut timeout_s = common.usual_timeout_s;
         if let Some(amount) = common.timeout
             && let Some(seconds) = amount.si(Dimension::TIME, None, Sense::Difference, diagnostics)
         {
@@ -156,7 +174,7 @@ impl Sources<'_> {
             outputs,
             is_si: common.units == UnitsForm::Si,
             steps,
-            states_steps,
+            derivatives,
             calls: Calls { timeout_s, retries, at_once },
             how,
         }
@@ -242,7 +260,9 @@ pub fn command(form: &Spanned<CommandForm>, sources: &Sources<'_>, diagnostics: 
         place,
         units: form.units,
         steps: &form.steps,
+        derivatives: DerivativesForm::Differences,
         timeout: &form.timeout,
+        usual_timeout_s: TIMEOUT_S,
         retries: &form.retries,
         usual_retries: 0,
         at_once: &form.at_once,
@@ -392,7 +412,9 @@ pub fn umbridge(
         place,
         units: form.units,
         steps: &form.steps,
+        derivatives: form.derivatives,
         timeout: &form.timeout,
+        usual_timeout_s: SERVER_TIMEOUT_S,
         retries: &form.retries,
         usual_retries: SERVER_RETRIES,
         at_once: &form.at_once,

@@ -76,7 +76,7 @@ pub(super) fn resolve(
         description: external.description(),
         identity: external.identity(),
         steps: external.steps.clone(),
-        states_steps: external.states_steps,
+        derivatives: external.derivatives,
         errors: 0..0,
         evaluator: None,
     };
@@ -89,7 +89,7 @@ pub(super) fn resolve(
         Some(form) => {
             let outputs: Vec<(String, String)> =
                 external.outputs.iter().map(|output| (output.name.clone(), output.si_unit())).collect();
-            surrogate::resolve(form, asked, &outputs, model, diagnostics)?
+            surrogate::resolve(form, (asked, external.answered_by()), &outputs, model, diagnostics)?
         }
     };
     for ((number, output), value) in (0_u32..).zip(&external.outputs).zip(values) {

@@ -14,7 +14,7 @@ use crate::random::Distribution;
 use crate::study::external::External;
 use crate::study::folder::Folder;
 use crate::thermal::element::{Contribution, Element, ElementForm, Lookup, Switch};
-use crate::thermal::{Input, Limits, Model, Node, NodeKind, Parameter};
+use crate::thermal::{Derivatives, Input, Limits, Model, Node, NodeKind, Parameter};
 
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
 use super::group::{self, Group};
@@ -141,6 +141,11 @@ impl Lookup for ResolvedModel {
 }
 
 impl ResolvedModel {
+    /// Where slopes of a model that is asked outside come from, or of the surrogate in its place; `None` of a network.
+    pub fn derivatives(&self) -> Option<Derivatives> {
+        self.model.external.as_ref().map(|external| external.derivatives)
+    }
+
     /// Index of a node.
     pub fn node(&self, name: &str) -> Option<usize> {
         self.nodes.get(name).copied()

@@ -8,12 +8,11 @@ use super::scope::Scope;
 
 /// The jobs that need what a model that is asked outside does not have.
 pub(super) fn refused(scope: &Scope, kinds: &Kinds, jobs: &[NamedJob]) -> Vec<Refused> {
-    let Some(external) = &scope.resolved.external else { return Vec::new() };
+    let Some(derivatives) = scope.resolved.derivatives() else { return Vec::new() };
     let noisy = scope.resolved.input_errors.iter().position(|error| error.sigma.is_some());
     let noisy = noisy.and_then(|input| scope.resolved.model.inputs.get(input));
     let reason = |job: &NamedJob| {
-        let states_steps = external.states_steps || scope.resolved.surrogate.is_some();
-        let refused = kinds.refuses_external(&job.spec, states_steps);
+        let refused = kinds.refuses_external(&job.spec, derivatives);
         refused.or_else(|| {
             job.spec.inference()?;
             Some(format!(

@@ -25,13 +25,27 @@ impl Evaluator for Formula {
         points.iter().map(at).collect()
     }
 
+    fn slopes(&self, asked: &[SlopesAt]) -> Vec<Result<Vec<f64>, Fault>> {
+        let at = |asked: &SlopesAt| {
+            let (a, x) = (asked.point.parameters[0], asked.point.inputs[0]);
+            let fault = || Fault { what: "too large", detail: format!("{a}") };
+            let each = [[2.0 * a * x, a * a], [x, a]];
+            let slope = |row: [f64; 2]| asked.by.iter().map(move |&place| row[place]);
+            match &asked.weights {
+                None => (a < 2.0).then(|| each.into_iter().flat_map(slope).collect()).ok_or_else(fault),
+                Some(w) => Ok(slope([0, 1].map(|by| w[0] * each[0][by] + w[1] * each[1][by])).collect()),
+            }
+        };
+        asked.iter().map(at).collect()
+    }
+
     fn broken(&self) -> Option<String> {
         None
     }
 }
 
 /// A model with the quantities `y` and `y + a z`.
-fn network() -> Network {
+fn network(derivatives: Derivatives) -> Network {
     let mut model = Model::default();
     model.parameters.push(Parameter {
         name: "a".into(),
@@ -61,7 +75,7 @@ fn network() -> Network {
         description: "a formula".into(),
         identity: serde_json::json!("formula"),
         steps: vec![1e-3, 1e-3],
-        states_steps: true,
+        derivatives,
         errors: 0..0,
         evaluator: Some(Arc::new(Formula)),
     });
@@ -70,7 +84,7 @@ fn network() -> Network {
 
 #[test]
 fn slopes_are_differences_of_all_that_depends_on_a_symbol() {
-    let network = network();
+    let network = network(Derivatives::StatedSteps);
     let mut workspace = network.workspace();
     network.solve_steady(&mut workspace, Start::Default).expect("solved");
     assert_eq!([0, 1].map(|quantity| network.quantity(&workspace, quantity)), [6.75, 13.5]);
@@ -92,8 +106,34 @@ fn slopes_are_differences_of_all_that_depends_on_a_symbol() {
 }
 
 #[test]
+fn slopes_that_are_served_pass_through_the_quantities_alone_and_in_lanes() {
+    let network = network(Derivatives::Served);
+    let mut workspace = network.workspace();
+    network.solve_steady(&mut workspace, Start::Default).expect("solved");
+    let (mut tangent, mut gradient) = ([0.0; 4], [0.0; 2]);
+    network.quantity_tangent(&mut workspace, &mut tangent).expect("solved");
+    // By hand: dy = (2 a x, a^2), and d(y + a z) twice that, since a z = y. Nothing is rounded at a = 1.5, x = 3.
+    assert_eq!(tangent, [9.0, 2.25, 18.0, 4.5]);
+    network.quantity_gradient(&mut workspace, &[1.0, -0.25], &mut gradient).expect("solved");
+    assert_eq!(gradient, [4.5, 1.125]);
+    let mut batch = network.batch::<4>();
+    for (lane, a) in [1.0, 2.5, 1.5].into_iter().enumerate() {
+        batch.set_parameters(&network, lane, &[a]);
+    }
+    batch.use_lanes(3);
+    network.solve_steady_batch(&mut batch, Start::Current);
+    let mut tangents = vec![[0.0; 4]; 4];
+    network.quantity_tangent_batch(&mut batch, &mut tangents);
+    assert_eq!([0, 2].map(|lane| tangents[2][lane]), [12.0, 18.0]);
+    assert!(tangents[2][1].is_nan(), "{tangents:?}");
+    let mut gradients = vec![[0.0; 4]; 2];
+    network.quantity_gradient_batch(&mut batch, &[[1.0; 4], [-0.25; 4]], &mut gradients);
+    assert_eq!([0, 2].map(|lane| gradients[0][lane]), [3.0, 4.5]);
+}
+
+#[test]
 fn lanes_are_asked_as_alone_and_a_fault_is_that_of_its_lane() {
-    let network = network();
+    let network = network(Derivatives::StatedSteps);
     let mut batch = network.batch::<4>();
     for (lane, a) in [1.0, 2.5, 1.5].into_iter().enumerate() {
         batch.set_parameters(&network, lane, &[a]);

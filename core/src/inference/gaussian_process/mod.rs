@@ -8,7 +8,7 @@
 //! `kernel`: covariances and their slopes. `marginal`: likelihood with the function and the trend integrated out, with exact
 //! gradient. `descent`: its maximum between bounds. `fit`: the best of several starts. `process`: prediction, draws, values
 //! left out. `cross_validation`: scores for which hyperparameters are fitted without the scored values. `hyperparameters`:
-//! draws of their posterior. `triangular`: factors, fast. `tested_range`: where a prediction leaves what was tested. `confounding`: what a
+//! draws of their posterior. `emulator`: in a model's place, at many points, with slopes. `triangular`: factors, fast. `tested_range`: where a prediction leaves what was tested. `confounding`: what a
 //! free discrepancy would make of the parameters.
 //!
 //! Rasmussen & Williams (2006), Gaussian Processes for Machine Learning, chapters 2, 4 and 5; trend integrated out: section
@@ -17,6 +17,7 @@
 pub mod confounding;
 pub mod cross_validation;
 pub mod descent;
+pub mod emulator;
 pub mod fit;
 pub mod hyperparameters;
 pub mod kernel;

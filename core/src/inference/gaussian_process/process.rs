@@ -18,7 +18,7 @@ pub struct Process {
     training: Training,
     form: Form,
     named: Named,
-    factored: Factored,
+    pub(super) factored: Factored,
 }
 
 /// What is expected at a point.
@@ -78,6 +78,11 @@ impl Process {
         self.factored.log_likelihood()
     }
 
+    /// What it consists of.
+    pub fn form(&self) -> &Form {
+        &self.form
+    }
+
     /// The hyperparameters.
     pub fn named(&self) -> &Named {
         &self.named
@@ -106,7 +111,7 @@ impl Process {
     }
 
     /// `L^-1 k`, and `R^-1 u` with `A = R R'`.
-    fn whitened(&self, point: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn whitened(&self, point: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut column = self.column(point);
         cholesky::solve_lower(&self.factored.lower, &mut column);
         let mut unseen = self.form.trend.at(point);

@@ -46,6 +46,8 @@ pub struct Emulation {
     pub left_out: LeftOutError,
     /// Factor on the foretold standard deviation, at least 1.
     pub factor: f64,
+    /// Anchors of the error: coordinates of points at which it is a parameter of its own.
+    pub anchors: Vec<Vec<f64>>,
 }
 
 fn form(kernel: Kernel) -> Form {
@@ -69,7 +71,14 @@ impl Emulation {
         let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         if spread <= CONSTANT * largest {
             let left_out = LeftOutError { errors: vec![0.0; n], ..LeftOutError::default() };
-            return Ok(Self { kernel: None, hyperparameters: Vec::new(), spread: 0.0, left_out, factor: 1.0 });
+            return Ok(Self {
+                kernel: None,
+                hyperparameters: Vec::new(),
+                spread: 0.0,
+                left_out,
+                factor: 1.0,
+                anchors: Vec::new(),
+            });
         }
         let training = Training::new(axes, points.to_vec(), values, vec![0.0; n])?;
         let mut best = None;
@@ -105,7 +114,7 @@ impl Emulation {
             errors,
         };
         let factor = left_out.standardised.max(1.0);
-        Ok(Self { kernel: Some(kernel), hyperparameters, spread, left_out, factor })
+        Ok(Self { kernel: Some(kernel), hyperparameters, spread, left_out, factor, anchors: Vec::new() })
     }
 
     /// The process through the values; `None` of a constant.

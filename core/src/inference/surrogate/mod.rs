@@ -12,7 +12,7 @@ pub mod space;
 use serde::{Deserialize, Serialize};
 
 use super::gaussian_process::GaussianProcessError;
-use super::gaussian_process::process::Process;
+use super::gaussian_process::emulator::{Emulator, Foretold, ForetoldSlopes, most_telling};
 use crate::random::StreamKey;
 use crate::thermal::{Fault, Point};
 pub use answers::Answers;
@@ -51,8 +51,17 @@ pub struct Surrogate {
 enum Emulated {
     /// All runs gave this value.
     Constant(f64),
-    /// A process, and the factor on its standard deviation.
-    Process(Box<Process>, f64),
+    /// A process, over so many coordinates.
+    Process(Box<Emulator>),
+}
+
+impl Emulated {
+    fn foretold(&self, coordinates: &[Vec<f64>]) -> Vec<Foretold> {
+        match self {
+            Self::Constant(value) => vec![Foretold { mean: *value, parts: Vec::new(), rest: 0.0 }; coordinates.len()],
+            Self::Process(emulator) => emulator.at(coordinates),
+        }
+    }
 }
 
 impl Surrogate {
@@ -82,7 +91,9 @@ impl Surrogate {
                 runs.iter().map(|run| run.outputs.get(output).copied().unwrap_or(f64::NAN)).collect();
             Ok(match emulation.process(space.axes.len(), &points, &values)? {
                 None => Emulated::Constant(values.first().copied().unwrap_or(f64::NAN)),
-                Some(process) => Emulated::Process(Box::new(process), emulation.factor),
+                Some(process) => {
+                    Emulated::Process(Box::new(Emulator::new(process, emulation.factor, &emulation.anchors)))
+                }
             })
         };
         let outputs = emulations.iter().enumerate().map(emulated).collect::<Result<_, _>>()?;
@@ -93,19 +104,43 @@ impl Surrogate {
     pub fn at(&self, coordinates: &[f64]) -> Vec<Expected> {
         let expected = |emulated: &Emulated| match emulated {
             Emulated::Constant(value) => Expected { mean: *value, sd: 0.0 },
-            Emulated::Process(process, factor) => {
-                let expected = process.at(coordinates);
-                Expected { mean: expected.mean, sd: factor * expected.sd() }
+            Emulated::Process(emulator) => {
+                let expected = emulator.process().at(coordinates);
+                Expected { mean: expected.mean, sd: emulator.factor() * expected.sd() }
             }
         };
         self.outputs.iter().map(expected).collect()
     }
 
+    /// What is expected of each output at points, and what its error is made of: by output, then by point.
+    pub fn foretold(&self, coordinates: &[Vec<f64>]) -> Vec<Vec<Foretold>> {
+        self.outputs.iter().map(|emulated| emulated.foretold(coordinates)).collect()
+    }
+
+    /// Slopes of that at a point, by output; nothing of a constant.
+    pub fn slopes(&self, coordinates: &[f64]) -> Vec<Option<ForetoldSlopes>> {
+        let of = |emulated: &Emulated| match emulated {
+            Emulated::Constant(_) => None,
+            Emulated::Process(emulator) => Some(emulator.slopes(coordinates)),
+        };
+        self.outputs.iter().map(of).collect()
+    }
+
+    /// At most so many of some points, for each output those at which its error tells most of its errors at all of them.
+    pub fn anchors(&self, coordinates: &[Vec<f64>], count: usize) -> Vec<Vec<Vec<f64>>> {
+        let of = |output: usize| {
+            let chosen = most_telling(&self.covariance(output, coordinates), coordinates.len(), count);
+            chosen.into_iter().map(|place| coordinates[place].clone()).collect()
+        };
+        (0..self.outputs.len()).map(of).collect()
+    }
+
     /// Covariance (row after row) of the errors of an output at several coordinates; 0 throughout for a constant.
     pub fn covariance(&self, output: usize, coordinates: &[Vec<f64>]) -> Vec<f64> {
         match self.outputs.get(output) {
-            Some(Emulated::Process(process, factor)) => {
-                let (_, mut covariance) = process.together(coordinates);
+            Some(Emulated::Process(emulator)) => {
+                let factor = emulator.factor();
+                let (_, mut covariance) = emulator.process().together(coordinates);
                 covariance.iter_mut().for_each(|value| *value *= factor * factor);
                 covariance
             }

@@ -105,6 +105,19 @@ impl Space {
         }
     }
 
+    /// The coordinate that changes with a parameter or input of a point (by its place among the point's parameters, then inputs),
+    /// and by how much; `None` where none does.
+    pub fn slope(&self, point: &Point, place: usize) -> Option<(usize, f64)> {
+        let (own, value) = match place.checked_sub(point.parameters.len()) {
+            Some(input) => (self.parameters + input, point.inputs.get(input)?),
+            // Parameters behind the model's own are errors of the surrogate.
+            None if place >= self.parameters => return None,
+            None => (place, point.parameters.get(place)?),
+        };
+        let (number, axis) = self.axes.iter().enumerate().find(|(_, axis)| axis.place == own)?;
+        Some((number, if axis.is_log { 1.0 / (axis.scale * value) } else { 1.0 / axis.scale }))
+    }
+
     /// The point at values of the coordinates, SI, in their order.
     pub fn point(&self, values: &[f64]) -> Point {
         let mut all = self.base.clone();

@@ -1,4 +1,5 @@
-//! Slurm, through its commands: `sbatch`, `squeue`, `scontrol`, `sinfo`, `scancel`. No database is needed.
+//! Slurm, through its commands: `sbatch`, `squeue`, `scontrol`, `sinfo`, `scancel`; and `sacct`, which answers where there is a
+//! database. None is needed.
 
 pub mod text;
 
@@ -165,7 +166,17 @@ impl Scheduler for Slurm {
     }
 
     fn endings(&self, job: &str) -> Vec<Ending> {
-        ask("scontrol", &words(&["-o", "show", "job", job])).map_or_else(|_| Vec::new(), |lines| text::endings(&lines))
+        let shown = ask("scontrol", &words(&["-o", "show", "job", job]));
+        let mut endings = shown.map_or_else(|_| Vec::new(), |lines| text::endings(&lines));
+        // The controller forgets within minutes; the database, where there is one, does not.
+        let format = format!("--format={}", text::ACCOUNT_FORMAT);
+        let accounts = words(&["--noheader", "--parsable2", "--allocations", "--array", "--jobs", job, &format]);
+        for ending in ask("sacct", &accounts).map_or_else(|_| Vec::new(), |lines| text::accounts(&lines, job)) {
+            if !endings.iter().any(|known| known.index == ending.index) {
+                endings.push(ending);
+            }
+        }
+        endings
     }
 
     fn hasten(&self, job: &str, index: usize) {

@@ -5,17 +5,28 @@ use crate::runner::cluster::scheduler::{Ending, Limits, Task};
 
 /// Format of a line of `squeue` about a task.
 pub(super) const TASK_FORMAT: &str = "%K|%t|%r|%N";
+/// Format of a line of `sacct` about a task.
+pub(super) const ACCOUNT_FORMAT: &str = "JobID,State,ExitCode,NodeList";
 /// Format of a line of `squeue` about a job: its id, name, comment.
 pub(super) const JOB_FORMAT: &str = "%F|%j|%k";
 
 /// `scontrol show config`: the largest array and the number of jobs.
 pub fn limits(config: &str) -> Limits {
-    let value = |name: &str| {
-        let line = config.lines().find(|line| line.split('=').next().is_some_and(|key| key.trim() == name))?;
-        line.split_once('=')?.1.split_whitespace().next()?.parse::<usize>().ok()
-    };
+    let value = |name: &str| text_value(config, name)?.parse::<usize>().ok();
     // The setting is one more than the largest index, so as many tasks as it says have indices from 0.
-    Limits { array: value("MaxArraySize"), jobs: value("MaxJobCount"), processors: None }
+    let accounts = text_value(config, "AccountingStorageType");
+    Limits {
+        array: value("MaxArraySize"),
+        jobs: value("MaxJobCount"),
+        processors: None,
+        keeps_accounts: accounts.map(|kind| !kind.ends_with("none") && kind != "(null)"),
+    }
+}
+
+/// The first word of a setting.
+fn text_value<'c>(config: &'c str, name: &str) -> Option<&'c str> {
+    let line = config.lines().find(|line| line.split('=').next().is_some_and(|key| key.trim() == name))?;
+    line.split_once('=')?.1.split_whitespace().next()
 }
 
 /// `sinfo --format=%C`: processors allocated, idle, other, total, a line a partition. Those that are down are no slots.
@@ -63,9 +74,7 @@ pub fn endings(text: &str) -> Vec<Ending> {
             line.split_whitespace().find_map(|word| word.strip_prefix(name)?.strip_prefix('=')).map(str::to_owned)
         };
         let state = value("JobState")?;
-        let has_ended = !["PENDING", "RUNNING", "COMPLETING", "SUSPENDED", "CONFIGURING", "REQUEUED"]
-            .iter()
-            .any(|open| state.starts_with(open));
+        let has_ended = has_ended(&state);
         let node = value("BatchHost").or_else(|| value("NodeList")).filter(|node| node != "(null)" && !node.is_empty());
         let code = value("ExitCode").unwrap_or_default();
         // Tasks that never started share a line: 3-7,9.
@@ -80,6 +89,25 @@ pub fn endings(text: &str) -> Vec<Ending> {
         })
     };
     text.lines().filter_map(of_line).flatten().collect()
+}
+
+/// `sacct --parsable2 --array`: how tasks of an array ended, a line a task.
+pub fn accounts(text: &str, job: &str) -> Vec<Ending> {
+    let of_line = |line: &str| {
+        let mut fields = line.trim().split('|');
+        let (id, state) = (fields.next()?, fields.next()?);
+        let index = id.strip_prefix(job)?.strip_prefix('_')?.parse().ok()?;
+        let code = fields.next().unwrap_or_default().to_owned();
+        let node = fields.next().filter(|node| !node.is_empty() && *node != "None assigned").map(str::to_owned);
+        has_ended(state).then(|| Ending { index, state: state.to_owned(), code, node })
+    };
+    text.lines().filter_map(of_line).collect()
+}
+
+/// Whether a task in this state will not run any more.
+fn has_ended(state: &str) -> bool {
+    let open = ["PENDING", "RUNNING", "COMPLETING", "SUSPENDED", "CONFIGURING", "REQUEUED", "RESIZING"];
+    !open.iter().any(|open| state.starts_with(open))
 }
 
 /// A list of indices: `3-7,9`, perhaps with the number that may run at a time (`%2`).

@@ -92,3 +92,78 @@ fn further_runs_go_where_the_error_weighs_most_and_not_twice_to_one_place() {
     assert_eq!(chosen[0], 10, "the heaviest first: {chosen:?}");
     assert!(chosen.len() == 4 && !(chosen.contains(&5) && chosen.contains(&9)), "{chosen:?}");
 }
+
+#[test]
+fn the_parts_of_an_error_are_its_variance_at_each_point_and_go_together_at_near_ones() {
+    let (space, runs) = runs(14);
+    let key = StreamKey::new(1, "surrogate", "fit");
+    let mut emulations = Surrogate::fit(&space, &runs, &key).expect("fitted");
+    let plain = Surrogate::new(space.clone(), &runs, &emulations).expect("made");
+    let points: Vec<Vec<f64>> = (0..12).map(|k| vec![0.3 * f64::from(k) - 1.7, 1.3 - 0.2 * f64::from(k)]).collect();
+    let anchors = plain.anchors(&points, 4);
+    assert_eq!((anchors[0].len(), anchors[1].len()), (4, 0), "a constant has no error");
+    emulations[0].anchors.clone_from(&anchors[0]);
+    let surrogate = Surrogate::new(space, &runs, &emulations).expect("made");
+    let foretold = surrogate.foretold(&points);
+    let covariance = plain.covariance(0, &points);
+    let largest = (0..12).map(|k| covariance[k * 12 + k]).fold(0.0, f64::max);
+    for (point, own) in points.iter().zip(&foretold[0]) {
+        let expected = plain.at(point)[0];
+        // The squares of the parts add up to the variance, but for rounding of the factors.
+        let square = own.parts.iter().map(|part| part * part).sum::<f64>() + own.rest * own.rest;
+        assert!((own.mean - expected.mean).abs() < 1e-9, "{own:?} {expected:?}");
+        assert!((square - expected.sd * expected.sd).abs() < 1e-8 * largest, "{own:?} {expected:?}");
+        // As it is alone, to the bit.
+        assert_eq!(surrogate.foretold(std::slice::from_ref(point))[0][0], *own);
+        assert_eq!(surrogate.foretold(std::slice::from_ref(point))[1][0].mean, 5.0);
+    }
+    // Between anchors and any other point the errors have the covariance of the process.
+    for anchor in &anchors[0] {
+        let i = points.iter().position(|point| point == anchor).expect("one of them");
+        for j in 0..12 {
+            let parts = foretold[0][i].parts.iter().zip(&foretold[0][j].parts);
+            let together: f64 = parts.map(|(a, b)| a * b).sum();
+            assert!((together - covariance[i * 12 + j]).abs() < 1e-8 * largest, "{i} {j} {together}");
+        }
+    }
+    // The greedy choice leaves less than it takes: of twelve points four carry most of the variance.
+    let (rest, all): (f64, f64) =
+        (foretold[0].iter().map(|own| own.rest * own.rest).sum(), (0..12).map(|k| covariance[k * 12 + k]).sum());
+    assert!(rest < 0.5 * all, "{rest} {all}");
+}
+
+#[test]
+fn slopes_of_a_surrogate_are_those_of_its_differences() {
+    use bmv::inference::surrogate::Answers;
+    use bmv::thermal::{Evaluator, SlopesAt};
+    let (mut space, runs) = runs(14);
+    space.axes[0] = Axis { place: 0, centre: 1.0, scale: 0.5, is_log: true, range: None };
+    let key = StreamKey::new(1, "surrogate", "fit");
+    let mut emulations = Surrogate::fit(&space, &runs, &key).expect("fitted");
+    emulations[0].anchors = vec![vec![0.4, 0.7], vec![-0.6, -1.1]];
+    let answers = Answers::of(Surrogate::new(space, &runs, &emulations).expect("made"), 3);
+    // Two outputs of a mean, three parts (of which the surrogate has two) and a rest; the last parameter is an error.
+    let point = |a: f64, x: f64| Point { parameters: vec![a, 7.0, 0.3], inputs: vec![x] };
+    let asked = |weights| SlopesAt { point: point(0.83, 0.31), by: vec![0, 2, 3], weights };
+    let slopes = answers.slopes(&[asked(None)]).remove(0).expect("an answer");
+    assert_eq!(slopes.len(), 30);
+    let h = 1e-4;
+    let of = |a: f64, x: f64| answers.evaluate(&[point(a, x)]).remove(0).expect("an answer");
+    let differences = [(0, of(0.83 - h, 0.31), of(0.83 + h, 0.31)), (2, of(0.83, 0.31 - h), of(0.83, 0.31 + h))];
+    for (column, low, high) in differences {
+        let scale = slopes.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
+        for row in 0..10 {
+            let difference = (high[row] - low[row]) / (2.0 * h);
+            // A central difference errs by h^2 and by the rounding of 300 K over h.
+            assert!(
+                (slopes[3 * row + column] - difference).abs() < 1e-6 * scale,
+                "{row} {column} {difference} {slopes:?}"
+            );
+        }
+    }
+    assert!((0..10).all(|row| slopes[3 * row + 1] == 0.0), "errors are no coordinates");
+    let weights: Vec<f64> = (0..10).map(|k| 0.5 - 0.1 * f64::from(k)).collect();
+    let sum = answers.slopes(&[asked(Some(weights.clone()))]).remove(0).expect("an answer");
+    let expected: f64 = weights.iter().enumerate().map(|(row, weight)| weight * slopes[3 * row]).sum();
+    assert!((sum[0] - expected).abs() < 1e-12 * expected.abs().max(1.0), "{sum:?} {expected}");
+}

@@ -16,7 +16,7 @@ fn runs_cover_every_block_once_and_are_of_equal_length() {
 
 #[test]
 fn their_number_follows_slots_and_limits() {
-    let limits = Limits { array: Some(1001), jobs: Some(10_000), processors: Some(6) };
+    let limits = Limits { array: Some(1001), jobs: Some(10_000), processors: Some(6), keeps_accounts: None };
     assert_eq!(count(500, None, 1, &limits), Ok(24));
     assert_eq!(count(500, None, 2, &limits), Ok(12));
     assert_eq!(count(5, None, 1, &limits), Ok(5));

@@ -7,8 +7,26 @@ use bmv::runner::cluster::slurm::text::*;
 fn limits_are_found_by_name() {
     let config = "Configuration data as of 2026-11-25T10:00:00\nMaxArraySize            = 1001\n\
                   MaxDBDMsgs              = 20012\nMaxJobCount             = 10000\nMaxJobId                = 67043328\n";
-    assert_eq!(limits(config), Limits { array: Some(1001), jobs: Some(10000), processors: None });
+    let expected = Limits { array: Some(1001), jobs: Some(10000), processors: None, keeps_accounts: None };
+    assert_eq!(limits(config), expected);
+    let keeps = |kind: &str| limits(&format!("AccountingStorageType   = {kind}\n")).keeps_accounts;
+    assert_eq!(
+        ["accounting_storage/slurmdbd", "accounting_storage/none", "(null)"].map(keeps),
+        [Some(true), Some(false), Some(false)]
+    );
     assert_eq!(limits("slurm_load_ctl_conf error"), Limits::default());
+}
+
+#[test]
+fn accounts_tell_how_tasks_ended_and_nothing_of_those_that_have_not() {
+    // The form that the manual of sacct describes: an id with the task's index, then what was asked for.
+    let lines = "17_0|COMPLETED|0:0|n1\n17_1|OUT_OF_MEMORY|0:125|n2\n17_2|RUNNING|0:0|n3\n17_[3-5]|PENDING|0:0|None assigned\n\
+                 170_6|FAILED|1:0|n1\n17_7|CANCELLED by 0|0:0|None assigned\nslurm_persist_conn_open: failed\n";
+    let found = accounts(lines, "17");
+    let brief: Vec<(usize, &str, Option<&str>)> =
+        found.iter().map(|own| (own.index, own.state.as_str(), own.node.as_deref())).collect();
+    assert_eq!(brief, [(0, "COMPLETED", Some("n1")), (1, "OUT_OF_MEMORY", Some("n2")), (7, "CANCELLED by 0", None)]);
+    assert!(found[2].is_cancelled() && found[1].code == "0:125");
 }
 
 #[test]
