@@ -11,7 +11,7 @@ use crate::report::view::PassReport;
 
 use super::Entry;
 
-pub(super) use figures::{Shows, phase_map, time_history};
+pub(super) use figures::{Shows, full_scale, phase_map, time_history};
 
 /// Readings up to which the table of all of them is part of the report.
 const MOST_ROWS: usize = 300;
