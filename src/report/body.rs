@@ -39,7 +39,7 @@ const SHARES: &[(&str, f64)] = &[
 ];
 
 /// The sections before the appendix, and those in it.
-pub(super) fn divided(sections: Vec<Section>) -> (Vec<Section>, Vec<Section>) {
+pub fn divided(sections: Vec<Section>) -> (Vec<Section>, Vec<Section>) {
     let whole = |section: &Section| SECTION + section.blocks.iter().map(height).sum::<f64>();
     if HEADER + sections.iter().map(whole).sum::<f64>() <= MOST {
         return (sections, Vec::new());

@@ -5,7 +5,7 @@
 
 pub mod archive;
 pub mod assemble;
-mod body;
+pub mod body;
 pub mod csv;
 pub mod essentials;
 pub mod headline;

@@ -347,11 +347,12 @@ impl Chart {
             // Bars stand on the axis.
             if self.layers.iter().any(|l| matches!(l, Layer::Bars { .. })) { (0.0, high) } else { (low, high) }
         });
-        let y = Scale::new(
-            y_range,
-            (inner_bottom, inner_top.min(inner_bottom - 10.0)),
-            if inner_bottom - inner_top < 300.0 { 3 } else { 6 },
-        );
+        let upright = (inner_bottom, inner_top.min(inner_bottom - 10.0));
+        let y = if self.y.is_probability {
+            Scale::of_probability(upright)
+        } else {
+            Scale::new(y_range, upright, if inner_bottom - inner_top < 300.0 { 3 } else { 6 })
+        };
         let y_ticks = y.ticks();
         let widest = y_ticks.iter().map(|t| text_width(&t.1, TEXT)).fold(0.0, f64::max);
         let inner_left = area.left + left.unwrap_or(widest + 104.0);

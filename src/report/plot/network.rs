@@ -4,7 +4,7 @@ use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WID
 use super::layout::{positions, push_apart};
 use super::palette::{AMBER, BLUE, Colour, GREEN, INK, MUTED, PAPER, PURPLE, VERMILION, diverging, is_light};
 use super::sheet::Entry;
-use crate::report::number::significant;
+use crate::report::number::{signed, significant};
 
 pub use crate::thermal::element::{Path, Source};
 
@@ -66,6 +66,9 @@ pub struct Missing {
 /// Paths that have their names in the picture; of more the table has them.
 const MOST_NAMED: usize = 30;
 
+/// Size of a node's deviation, of its name's.
+const NUMBER: f64 = 0.8;
+
 /// Band under what is missing or adopted.
 const BAND: Colour = (250, 214, 112);
 
@@ -91,7 +94,13 @@ fn crosses((from, to): &Segment, rectangle: &Boxed) -> bool {
 /// Draws the network.
 pub fn network(diagram: &Diagram) -> Drawing {
     let count = diagram.nodes.len();
-    let size = if count > 20 { (TEXT * (20.0 / count as f64).sqrt()).max(18.0) } else { TEXT };
+    let size = if diagram.is_small && (9..=20).contains(&count) {
+        0.82 * TEXT
+    } else if count > 20 {
+        (TEXT * (20.0 / count as f64).sqrt()).max(18.0)
+    } else {
+        TEXT
+    };
     let field = match count {
         _ if diagram.is_small => 460.0,
         0..=3 => 430.0,
@@ -106,7 +115,15 @@ pub fn network(diagram: &Diagram) -> Drawing {
     let links: Vec<_> = diagram.paths.iter().filter(|p| !diagram.adopted.contains(&p.0)).map(|p| (p.2, p.3)).collect();
     let sinks: Vec<_> = diagram.nodes.iter().map(|n| n.1 == NodeShape::Boundary).collect();
     let names: Vec<_> = diagram.nodes.iter().map(|n| fitted(&n.0, size, 330.0)).collect();
-    let boxes: Vec<_> = names.iter().map(|n| (text_width(n, size) + 1.3 * size, 1.9 * size)).collect();
+    let deviation_of = |node: usize| diagram.deviations.get(node).copied().flatten();
+    // The colour in numbers, for those who do not see it.
+    let numbers: Vec<_> =
+        (0..count).map(|node| deviation_of(node).map(|own| signed(own, 1)).unwrap_or_default()).collect();
+    let width_of = |(name, number): (&String, &String)| {
+        let number = if number.is_empty() { 0.0 } else { text_width(number, NUMBER * size) + 0.4 * size };
+        text_width(name, size) + number + 1.3 * size
+    };
+    let boxes: Vec<_> = names.iter().zip(&numbers).map(|own| (width_of(own), 1.9 * size)).collect();
     let mut centres: Vec<_> = positions(count, &links, &sinks)
         .into_iter()
         .map(|(x, y)| (side + x * (width - 2.0 * side), rim + y * (field - 2.0 * rim)))
@@ -135,7 +152,8 @@ pub fn network(diagram: &Diagram) -> Drawing {
         for (position, (_, kind)) in diagram.nodes.iter().enumerate() {
             let colour =
                 diagram.deviations.get(position).copied().flatten().map(|own| diverging(own / diagram.full_scale));
-            paint_node(canvas, &names[position], (*kind, colour), (centres[position], boxes[position]), size);
+            let texts = (names[position].as_str(), numbers[position].as_str());
+            paint_node(canvas, texts, (*kind, colour), (centres[position], boxes[position]), size);
         }
         let lines: Vec<_> = diagram
             .paths
@@ -143,13 +161,14 @@ pub fn network(diagram: &Diagram) -> Drawing {
             .zip(&lanes)
             .filter_map(|(p, &lane)| Some(shifted(*centres.get(p.2)?, *centres.get(p.3)?, lane)))
             .collect();
+        // What is missing is named first: it finds the best place.
+        for (own, points) in diagram.missing.iter().zip(&missing) {
+            label_missing(canvas, own, points, &mut taken, (width, field));
+        }
         for (name, source, node) in &diagram.sources {
             if let (Some(&centre), Some(&shape)) = (centres.get(*node), boxes.get(*node)) {
                 paint_source(canvas, name, *source, (centre, shape), &mut taken, &lines, (width, field));
             }
-        }
-        for (own, points) in diagram.missing.iter().zip(&missing) {
-            label_missing(canvas, own, points, &mut taken, (width, field));
         }
         if diagram.paths.len() <= MOST_NAMED {
             for (path, &lane) in diagram.paths.iter().zip(&lanes) {
@@ -263,7 +282,11 @@ fn label_missing(
     let inside =
         |at: (f64, f64)| (at.0.clamp(half + 4.0, (width - half - 4.0).max(half + 4.0)), at.1.min(field - 24.0));
     let on_line = points.iter().copied();
-    let beside = points.iter().flat_map(|&(x, y)| [(x, y - 44.0), (x, y + 44.0), (x, y - 80.0), (x, y + 80.0)]);
+    let beside = points.iter().flat_map(|&(x, y)| {
+        [44.0, 80.0, 120.0].into_iter().flat_map(move |by| {
+            [(x, y - by), (x, y + by), (x - half, y - by), (x + half, y - by), (x - half, y + by), (x + half, y + by)]
+        })
+    });
     // From the middle outwards.
     let mut places: Vec<(f64, f64)> = on_line.chain(beside).map(inside).filter(|at| at.1 > 24.0).collect();
     let middle = points.get(points.len() / 2).copied().unwrap_or((width / 2.0, 60.0));
@@ -322,10 +345,10 @@ fn paint_path(canvas: &mut Canvas<'_>, path: Path, from: (f64, f64), to: (f64, f
     }
 }
 
-/// A box; its colour, where one is given, is that of its deviation.
+/// A box with its name and, in a colour that tells the same, its deviation.
 fn paint_node(
     canvas: &mut Canvas<'_>,
-    name: &str,
+    (name, number): (&str, &str),
     (kind, colour): (NodeShape, Option<Colour>),
     (centre, shape): Boxed,
     size: f64,
@@ -349,7 +372,11 @@ fn paint_node(
             ink_on(colour)
         }
     };
-    canvas.text(name, centre, Lettering::new(size, ink).bold().at(Anchor::Middle));
+    let beside = if number.is_empty() { 0.0 } else { text_width(number, NUMBER * size) + 0.4 * size };
+    let middle = (centre.0 - beside / 2.0, centre.1);
+    canvas.text(name, middle, Lettering::new(size, ink).bold().at(Anchor::Middle));
+    let end = (centre.0 + shape.0 / 2.0 - 0.35 * size, centre.1);
+    canvas.text(number, end, Lettering::new(NUMBER * size, ink).at(Anchor::End));
 }
 
 /// An arrow from the side where its name finds room.
@@ -367,6 +394,7 @@ fn paint_source(
     let label = (text_width(&name, SMALL) + 14.0, 1.3 * SMALL);
     let (half_x, half_y) = (shape.0 / 2.0, shape.1 / 2.0);
     let mut best = None;
+    let mut is_named = false;
     // First a place that no line crosses, then any that is free.
     'search: for (reach, may_cross) in [(66.0, false), (100.0, false), (66.0, true), (100.0, true), (140.0, true)] {
         let (far_x, far_y) = (half_x + reach + label.0 / 2.0, half_y + reach + label.1 / 2.0);
@@ -383,12 +411,12 @@ fn paint_source(
             let is_free = !taken.iter().any(|t| overlap(t, &(at, label)));
             if fits && is_free && (may_cross || !lines.iter().any(|l| crosses(l, &(at, label)))) {
                 best = Some(candidate);
+                is_named = true;
                 break 'search;
             }
         }
     }
     if let Some((at, (sx, sy))) = best {
-        taken.push((at, label));
         let tip = if sy == 0.0 {
             (centre.0 + sx * half_x, centre.1)
         } else {
@@ -399,7 +427,11 @@ fn paint_source(
         taken.push((((tail.0 + tip.0) / 2.0, (tail.1 + tip.1) / 2.0), shaft));
         canvas.path(&[tail, tip], colour, 6);
         canvas.arrow_head(tail, tip, colour, 28.0);
-        canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour).at(Anchor::Middle));
+        // A name without a free place would cover another; the table has it.
+        if is_named {
+            taken.push((at, label));
+            canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour).at(Anchor::Middle));
+        }
     }
 }
 
@@ -411,7 +443,7 @@ fn label_path(
     (from, to): ((f64, f64), (f64, f64)),
     taken: &mut Vec<Boxed>,
 ) {
-    let name = fitted(name, SMALL, 260.0);
+    let name = fitted(name, SMALL, 380.0);
     let label = (text_width(&name, SMALL) + 12.0, 1.2 * SMALL);
     for share in [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74] {
         let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
@@ -459,7 +491,7 @@ impl Key {
 
     fn paint(self, canvas: &mut Canvas<'_>, (x, y): (f64, f64)) {
         match self {
-            Self::Node(kind) => paint_node(canvas, "", (kind, None), ((x + 30.0, y), (56.0, 32.0)), SMALL),
+            Self::Node(kind) => paint_node(canvas, ("", ""), (kind, None), ((x + 30.0, y), (56.0, 32.0)), SMALL),
             Self::Path(kind) => paint_path(canvas, kind, (x, y), (x + 62.0, y)),
             Self::Source(kind) => {
                 let colour = if kind == Source::Load { GREEN } else { AMBER };

@@ -2,7 +2,6 @@
 
 mod marked;
 mod parts;
-mod residuals;
 
 use std::collections::BTreeSet;
 
@@ -15,6 +14,7 @@ use crate::report::view::PassReport;
 use crate::thermal::element::{Drawing, Element};
 use crate::thermal::{Model, NodeKind};
 
+use super::comparison::{AtNodes, at_nodes};
 use super::{Entry, prefix};
 
 /// The section.
@@ -68,17 +68,18 @@ pub(super) fn picture(report: &PassReport<'_>, is_small: bool) -> Option<Figure>
     if model.nodes.is_empty() {
         return None;
     }
+    let deviations = at_nodes(report);
     let (mut diagram, of) = match parts::Parts::new(report) {
         Some(parts) => {
             let mut diagram = parts.diagram(model)?;
             marked::mark(report, &mut diagram, |node| parts.part(node));
-            residuals::colour(report, &mut diagram, |node| parts.part(node));
+            colour(&mut diagram, deviations.as_ref(), |node| parts.part(node));
             (diagram, "by its parts")
         }
         None => {
             let mut diagram = diagram(model);
             marked::mark(report, &mut diagram, |node| node);
-            residuals::colour(report, &mut diagram, |node| node);
+            colour(&mut diagram, deviations.as_ref(), |node| node);
             (diagram, "as it is solved")
         }
     };
@@ -94,11 +95,9 @@ pub(super) fn picture(report: &PassReport<'_>, is_small: bool) -> Option<Figure>
     let missing: Vec<&str> = diagram.missing.iter().map(|own| own.label.as_str()).collect();
     let missing = if missing.is_empty() { String::new() } else { format!(" Marked: {}.", missing.join("; ")) };
     diagram.is_small = is_small;
-    let what = if diagram.deviations.iter().any(Option::is_some) {
-        format!("{what}; nodes with sensors have the colour of their largest deviation{}", residuals::words(report))
-    } else {
-        what
-    };
+    let has_deviations = diagram.deviations.iter().any(Option::is_some);
+    let state = deviations.filter(|_| has_deviations).map(|own| own.state);
+    let what = state.map_or(what.clone(), |state| format!("{what}; numbers and colours: largest deviation{state}, K"));
     Some(Figure {
         id: format!("{}network", prefix(is_small)),
         drawing: network(&diagram),
@@ -109,6 +108,20 @@ pub(super) fn picture(report: &PassReport<'_>, is_small: bool) -> Option<Figure>
             counted(diagram.paths.len(), "path")
         ),
     })
+}
+
+/// Gives boxes the deviations at their nodes, the largest of each; `place` says which box stands for a node.
+fn colour(diagram: &mut Diagram, deviations: Option<&AtNodes>, place: impl Fn(usize) -> usize) {
+    let Some(AtNodes { largest, full_scale, .. }) = deviations else { return };
+    diagram.full_scale = *full_scale;
+    diagram.deviations = vec![None; diagram.nodes.len()];
+    for (node, deviation) in largest.iter().enumerate().filter_map(|(node, own)| Some((node, (*own)?))) {
+        if let Some(own) =
+            diagram.deviations.get_mut(place(node)).filter(|own| own.is_none_or(|own| deviation.abs() > own.abs()))
+        {
+            *own = Some(deviation);
+        }
+    }
 }
 
 fn diagram(model: &Model) -> Diagram {

@@ -278,7 +278,7 @@ pub(super) fn figures(output: &Output, job: &str, is_small: bool) -> Vec<Figure>
         let Some(case) = output.posterior.cases.iter().find(swept) else { continue };
         let mut chart = Chart {
             x: Axis::new(shown.title(design)),
-            y: Axis::over(if is_small { "P(met)" } else { "probability that the requirement is met" }, 0.0, 1.0),
+            y: Axis::of_probability(if is_small { "P(met)" } else { "probability that the requirement is met" }),
             is_small,
             ..Chart::default()
         };

@@ -220,7 +220,7 @@ pub(super) fn probability_figures(output: &Output, job: &str, is_small: bool) ->
         };
         let mut chart = Chart {
             x: Axis::new(shown.title(design)),
-            y: Axis::over(if is_small { "P(met)" } else { "probability that the requirement is met" }, 0.0, 1.0),
+            y: Axis::of_probability(if is_small { "P(met)" } else { "probability that the requirement is met" }),
             is_small,
             ..Chart::default()
         };

@@ -35,6 +35,8 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(Block::Statements(statements));
     }
     blocks.extend(claims::objection_to_all(report).map(|text| Block::callout(Tone::Warning, text)));
+    let doubted = report.outputs::<diagnose::Kind>().flat_map(|(_, output)| output.before_the_verdict());
+    blocks.extend(doubted.map(|line| Block::callout(Tone::Warning, line)));
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }

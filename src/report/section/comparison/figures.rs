@@ -101,7 +101,7 @@ impl Shows {
         if output.tuned.is_some() { Self::Tuned } else { Self::Delivered }
     }
 
-    pub(in crate::report::section) fn predicted(self, row: &Row) -> f64 {
+    pub(super) fn predicted(self, row: &Row) -> f64 {
         match self {
             Self::Delivered => row.predicted,
             Self::Tuned => row.predicted_tuned.unwrap_or(f64::NAN),
@@ -112,7 +112,7 @@ impl Shows {
         if self == Self::Tuned { "-tuned" } else { "" }
     }
 
-    pub(in crate::report::section) fn words(self, output: &Output) -> &'static str {
+    pub(super) fn words(self, output: &Output) -> &'static str {
         match (self, &output.tuned) {
             (Self::Tuned, _) => " after tuning",
             (Self::Delivered, Some(_)) => " as delivered",
@@ -123,7 +123,7 @@ impl Shows {
 
 /// Magnitude of the full colour, K: the largest deviation that any state of the model leaves, so that maps before and after
 /// tuning can be held against one another.
-pub(in crate::report::section) fn full_scale(report: &PassReport<'_>) -> f64 {
+pub(super) fn full_scale(report: &PassReport<'_>) -> f64 {
     let rows = report.outputs::<Kind>().flat_map(|(_, output)| &output.rows).filter(|row| row.unit == "K");
     let deviations = rows.flat_map(|row| {
         [Some(row.predicted), row.predicted_tuned]
@@ -147,6 +147,10 @@ pub(in crate::report::section) fn phase_map(
     is_small: bool,
 ) -> Figure {
     let mut sensors = sensor_names(output, measurement);
+    // Kelvins and other units have no colour in common; the table by sensor has them all.
+    if sensors.iter().any(|sensor| sensor.1 == "K") {
+        sensors.retain(|sensor| sensor.1 == "K");
+    }
     let all_sensors = sensors.len();
     let [most_phases, most_sensors] = MOST_ON_FIRST_SCREEN;
     if is_small && all_sensors > most_sensors {
@@ -308,7 +312,7 @@ pub(in crate::report::section) fn time_history(
     let data = History {
         x_title: title.into(),
         y_title: shown.title(sensor),
-        residual_title: shown.difference().title("meas. \u{2212} pred."),
+        residual_title: shown.difference().title(if is_small { "dev." } else { "meas. \u{2212} pred." }),
         points: rows
             .iter()
             .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, shown.value(r.measured), shown.value(shows.predicted(r))))

@@ -126,7 +126,7 @@ fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<
     let ids: Vec<&str> = output.selected.iter().map(String::as_str).collect();
     let is_selected = |set: &[String]| set.len() == ids.len() && set.iter().all(|id| output.selected.contains(id));
     if let Some(model) = output.models.iter().find(|model| !ids.is_empty() && is_selected(&model.effects)) {
-        let state = with(Text::new("Tuned with the proposed "), &ids);
+        let state = with(Text::new("Tuned with proposed "), &ids);
         let own = rung(state, model.rmse_k.train, model.rmse_k.held_out);
         // Step by step, rows that no fit saw judge each effect: for what came about so they are not held out any more.
         let is_chosen_by_them = !output.steps.is_empty();
@@ -217,8 +217,7 @@ fn notes(rungs: &[Rung], has_held_out: bool, has_unseen: bool) -> String {
              have no such error."
         }
         (true, false) => {
-            "Held out: in no fit and in no choice of effects; there are no readings between (unseen by the fit, but used for the \
-             choice)."
+            "Held out: used by no fit and no choice of effects in this pass; there are none between (unseen)."
         }
     };
     let judged = |of: fn(&Standing) -> bool| {
