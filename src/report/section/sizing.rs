@@ -28,9 +28,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         for (position, &pair) in all.iter().enumerate() {
             let what = if pair.1 == ALL { "all requirements together" } else { pair.1 };
             let title = format!("{what} in environment {}", pair.0);
-            let mut own = Vec::new();
-            own.push(Block::Figure(figure(report, name, output, pair)));
-            own.push(sizes(report, output, pair));
+            let own = vec![Block::Figure(figure(report, name, output, pair)), sizes(report, output, pair)];
             // Of many the first is read, the others are looked up.
             if position > 0 && all.len() > MOST_OPEN {
                 blocks.push(Block::Details(title, own));

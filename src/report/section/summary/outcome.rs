@@ -3,7 +3,7 @@
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Output as Diagnosis};
 use crate::document::p_stated;
-use crate::job::{calibrate, compare, diagnose, goal, predict, propagate};
+use crate::job::{calibrate, compare, diagnose, goal, predict, propagate, test_plan};
 use crate::report::ladder;
 use crate::report::number::{self, Shown, signed, significant, with_error, with_unit};
 use crate::report::page::{Statement, Status, Text};
@@ -230,6 +230,11 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
     if let Some((name, _)) = report.outputs::<goal::Kind>().next() {
         let text = Text::default().code(format!("{} {name}", command("show")));
         return Some(text.plain(" says how well each parameter must be known, and what to do for it."));
+    }
+    if let Some((name, _)) = report.outputs::<test_plan::Kind>().next() {
+        let text =
+            Text::new("Test as planned (").code(format!("{} {name}", command("show"))).plain("), then bring the log: ");
+        return Some(text.code(format!("bmv import csv LOG... --into {}", report.study)).plain("."));
     }
     Some(last_step(report))
 }
