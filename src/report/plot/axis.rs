@@ -53,8 +53,7 @@ impl Axis {
 /// Probabilities nearer to 1 than this are drawn as 1.
 const NEAREST_TO_1: f64 = 1e-4;
 /// Ticks of an axis of probabilities.
-const PROBABILITIES: [(f64, &str); 6] =
-    [(0.0, "0"), (0.5, "0.5"), (0.9, "0.9"), (0.99, "0.99"), (0.999, "0.999"), (1.0, "1")];
+const PROBABILITIES: [(f64, &str); 5] = [(0.0, "0"), (0.9, "0.9"), (0.99, "0.99"), (0.999, "0.999"), (1.0, "1")];
 
 /// A map of a range of values to pixels, with ticks: linear, but for probabilities.
 #[derive(Clone, Debug, PartialEq)]
