@@ -56,6 +56,10 @@ sizes +nodes="30 100 300 1000 10000":
 record rows="200" sensors="6" swing="0" sampler="independence-metropolis":
     cargo build --release && ROWS={{rows}} SENSORS={{sensors}} SWING={{swing}} SAMPLER={{sampler}} benches/sizes/run.sh target/release/bmv 30
 
+# how soon reports of 43 phases and of 10 transients of 10,000 rows, 20 sensors each, are painted in a headless Chromium, and how large they are
+first-paint:
+    cargo build --release && python3 benches/sizes/first_paint.py target/release/bmv
+
 # the documentation of the library
 doc:
     cargo doc --no-deps --open

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::document::visible::escaped_lines;
 
-use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Status, Table, Text, Tone};
+use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Placed, Status, Table, Text, Tone};
 use super::script;
 
 const TEMPLATE: &str = include_str!("../../templates/report.html");
@@ -40,20 +40,15 @@ pub fn render(page: &Page, beside: Beside) -> Result<String, HtmlError> {
     let mut tera = tera::Tera::default();
     // Names that end in `.html` are escaped.
     tera.add_raw_template("report.html", TEMPLATE)?;
-    let mut flat = Flat { blocks: Vec::new(), numbering: Numbering::default(), section: 0, heading: 0, beside };
+    let mut flat =
+        Flat { blocks: Vec::new(), numbering: Numbering::default(), section: String::new(), heading: 0, beside };
     let sections: Vec<FlatSection<'_>> = page
-        .sections
-        .iter()
-        .map(|section| {
-            flat.section += 1;
+        .placed()
+        .map(|Placed { section, number, anchor, title, begins_appendix }| {
+            flat.section = number.clone();
             flat.heading = 0;
             flat.add(&section.blocks);
-            FlatSection {
-                id: section.id,
-                number: flat.section,
-                title: &section.title,
-                blocks: std::mem::take(&mut flat.blocks),
-            }
+            FlatSection { id: anchor, number, title, begins_appendix, blocks: std::mem::take(&mut flat.blocks) }
         })
         .collect();
     let context = tera::Context::from_serialize(&Whole {
@@ -73,7 +68,7 @@ pub fn render(page: &Page, beside: Beside) -> Result<String, HtmlError> {
 
 /// The style that marks, among the contents, the section that was jumped to.
 fn current_section(page: &Page) -> String {
-    let marks = page.sections.iter().map(|section| format!("body:has(#{0}:target) nav a[href=\"#{0}\"]", section.id));
+    let marks = page.placed().map(|own| format!("body:has(#{0}:target) nav a[href=\"#{0}\"]", own.anchor));
     let marks: Vec<String> = marks.collect();
     if marks.is_empty() {
         return String::new();
@@ -113,9 +108,10 @@ struct Whole<'a> {
 
 #[derive(Serialize)]
 struct FlatSection<'a> {
-    id: &'a str,
-    number: usize,
-    title: &'a str,
+    id: String,
+    number: String,
+    title: String,
+    begins_appendix: bool,
     blocks: Vec<FlatBlock<'a>>,
 }
 
@@ -125,6 +121,7 @@ struct FlatSection<'a> {
 enum FlatBlock<'a> {
     Heading { id: String, number: String, title: &'a str },
     Paragraph { text: &'a Text },
+    Small { text: &'a Text },
     List { items: &'a [Text] },
     Table { number: usize, caption: &'a Text, columns: &'a [Column], stacks: bool, rows: Vec<Vec<FlatCell<'a>>> },
     Figure { number: usize, id: String, caption: &'a Text, svg: String, values: &'a str, data: String, file: String },
@@ -133,6 +130,8 @@ enum FlatBlock<'a> {
     Definitions { entries: Vec<[&'a Text; 2]> },
     Open { title: &'a str },
     Close,
+    OpenBeside,
+    CloseBeside,
 }
 
 #[derive(Serialize)]
@@ -161,13 +160,11 @@ fn class(status: Option<Status>) -> &'static str {
 }
 
 /// Columns of a table that is too wide for a phone.
-const WIDE: usize = 5;
-/// Rows up to which a table is still read as a list.
-const MOST_STACKED: usize = 40;
+const WIDE: usize = 4;
 
 /// Whether the rows of a table stand as lists on a narrow screen: many columns have no room there.
 fn stacks(table: &Table) -> bool {
-    table.columns.len() >= WIDE && table.rows.len() <= MOST_STACKED
+    table.columns.len() >= WIDE
 }
 
 fn label(column: &Column) -> String {
@@ -183,7 +180,7 @@ fn cell<'a>(cell: &'a Cell, column: Option<&Column>, stacks: bool) -> FlatCell<'
 struct Flat<'a> {
     blocks: Vec<FlatBlock<'a>>,
     numbering: Numbering,
-    section: usize,
+    section: String,
     heading: usize,
     beside: Beside,
 }
@@ -203,6 +200,14 @@ fn data(figure: &Figure, id: &str, beside: Beside) -> String {
 }
 
 impl<'a> Flat<'a> {
+    fn figure(&mut self, figure: &'a Figure) -> FlatBlock<'a> {
+        let (number, id) = self.numbering.figure(figure);
+        let svg = figure.drawing.svg(&id, &format!("Figure {number}"), &figure.alternative, false);
+        let values = &figure.drawing.numbers().values;
+        let (data, file) = (data(figure, &id, self.beside), format!("{id}.csv"));
+        FlatBlock::Figure { number, id, caption: &figure.caption, svg, values, data, file }
+    }
+
     fn add(&mut self, blocks: &'a [Block]) {
         for block in blocks {
             let flat = match block {
@@ -212,6 +217,7 @@ impl<'a> Flat<'a> {
                     FlatBlock::Heading { id: format!("section-{}-{}", self.section, self.heading), number, title }
                 }
                 Block::Paragraph(text) => FlatBlock::Paragraph { text },
+                Block::Small(text) => FlatBlock::Small { text },
                 Block::List(items) => FlatBlock::List { items },
                 Block::Table(table) => FlatBlock::Table {
                     number: self.numbering.table(),
@@ -225,12 +231,14 @@ impl<'a> Flat<'a> {
                         })
                         .collect(),
                 },
-                Block::Figure(figure) => {
-                    let (number, id) = self.numbering.figure(figure);
-                    let svg = figure.drawing.svg(&id, &format!("Figure {number}"), &figure.alternative, false);
-                    let values = &figure.drawing.numbers().values;
-                    let (data, file) = (data(figure, &id, self.beside), format!("{id}.csv"));
-                    FlatBlock::Figure { number, id, caption: &figure.caption, svg, values, data, file }
+                Block::Figure(figure) => self.figure(figure),
+                Block::Beside(figures) => {
+                    self.blocks.push(FlatBlock::OpenBeside);
+                    for figure in figures {
+                        let flat = self.figure(figure);
+                        self.blocks.push(flat);
+                    }
+                    FlatBlock::CloseBeside
                 }
                 Block::Callout(tone, text) => FlatBlock::Callout { tone: *tone, word: tone.word(), text },
                 Block::Statements(statements) => FlatBlock::Statements {

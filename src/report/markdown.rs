@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::document::visible::escaped_lines;
 
-use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Section, Status, Table, Text};
+use super::page::{Block, Cell, Column, Figure, Inline, Numbering, Page, Placed, Status, Table, Text};
 
 /// The page as Markdown; figures are links to `plots/NAME.svg`, with their numbers in `plots/NAME.csv`.
 pub fn render(page: &Page) -> String {
@@ -21,10 +21,10 @@ pub fn render(page: &Page) -> String {
             let _ = writeln!(out, "| {} | {} |", inline(term, true), inline(entry, true));
         }
     }
-    let mut writer = Writer { out, numbering: Numbering::default(), section: 0, heading: 0 };
-    writer.contents(&page.sections);
-    for section in &page.sections {
-        writer.section(section);
+    let mut writer = Writer { out, numbering: Numbering::default(), section: String::new(), heading: 0 };
+    writer.contents(page);
+    for placed in page.placed() {
+        writer.section(placed);
     }
     let mut out = writer.out;
     if !page.footer.0.is_empty() {
@@ -38,23 +38,32 @@ pub fn render(page: &Page) -> String {
 struct Writer {
     out: String,
     numbering: Numbering,
-    section: usize,
+    section: String,
     heading: usize,
 }
 
 impl Writer {
-    fn contents(&mut self, sections: &[Section]) {
+    fn contents(&mut self, page: &Page) {
         self.out.push('\n');
-        for (position, section) in sections.iter().enumerate() {
-            let _ = writeln!(self.out, "{}. [{}](#{})", position + 1, escape(&section.title), section.id);
+        for Placed { number, anchor, title, begins_appendix, .. } in page.placed() {
+            if begins_appendix {
+                self.out.push_str("\nAppendix:\n\n");
+            }
+            // Lists know no letters.
+            let is_lettered = number.starts_with(|letter: char| letter.is_ascii_uppercase());
+            let mark = if is_lettered { format!("- {number}.") } else { format!("{number}.") };
+            let _ = writeln!(self.out, "{mark} [{}](#{anchor})", escape(&title));
         }
     }
 
-    fn section(&mut self, section: &Section) {
-        self.section += 1;
+    fn section(&mut self, placed: Placed<'_>) {
+        let Placed { section, number, anchor, title, begins_appendix } = placed;
         self.heading = 0;
-        let _ =
-            write!(self.out, "\n<a id=\"{}\"></a>\n\n## {}. {}\n", section.id, self.section, escape(&section.title));
+        if begins_appendix {
+            self.out.push_str("\n# Appendix\n");
+        }
+        let _ = write!(self.out, "\n<a id=\"{anchor}\"></a>\n\n## {number}. {}\n", escape(&title));
+        self.section = number;
         self.blocks(&section.blocks);
     }
 
@@ -65,7 +74,7 @@ impl Writer {
                     self.heading += 1;
                     let _ = write!(self.out, "\n### {}.{} {}\n", self.section, self.heading, escape(title));
                 }
-                Block::Paragraph(text) => paragraph(&mut self.out, &inline(text, false)),
+                Block::Paragraph(text) | Block::Small(text) => paragraph(&mut self.out, &inline(text, false)),
                 Block::List(items) => {
                     self.out.push('\n');
                     for item in items {
@@ -79,6 +88,12 @@ impl Writer {
                 Block::Figure(figure) => {
                     let (number, name) = self.numbering.figure(figure);
                     self.figure(number, &name, figure);
+                }
+                Block::Beside(figures) => {
+                    for figure in figures {
+                        let (number, name) = self.numbering.figure(figure);
+                        self.figure(number, &name, figure);
+                    }
                 }
                 Block::Callout(tone, text) => {
                     let _ = write!(self.out, "\n> **{}.** {}\n", tone.word(), inline(text, false));
@@ -158,6 +173,9 @@ fn inline(text: &Text, in_table: bool) -> String {
             Inline::Strong(text) => wrap(&mut out, "**", text),
             Inline::Code(text) => out.push_str(&code(text, in_table)),
             // Figures have no anchors here: a link leads to the page's beginning.
+            Inline::Link { text, page, anchor } if page.is_empty() => {
+                let _ = write!(out, "[{}](#{anchor})", escape(text));
+            }
             Inline::Link { text, page, .. } => {
                 let _ = write!(out, "[{}]({page}.md)", escape(text));
             }

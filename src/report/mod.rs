@@ -5,6 +5,7 @@
 
 pub mod archive;
 pub mod assemble;
+pub mod body;
 pub mod csv;
 pub mod essentials;
 pub mod headline;
@@ -88,6 +89,8 @@ pub fn render(report: &PassReport<'_>) -> Result<RenderedReport, RenderError> {
 
 /// The report as a document.
 pub fn page(report: &PassReport<'_>) -> Page {
+    let (sections, appendix) =
+        body::divided(section::SECTIONS.iter().filter_map(|section| (section.build)(report)).collect());
     Page {
         title: report.title.clone(),
         subtitle: Text::new("Study ").code(&report.study).plain(", pass ").code(&report.pass_file),
@@ -96,7 +99,8 @@ pub fn page(report: &PassReport<'_>) -> Page {
         mark: report.document.as_ref().map(|document| title_block::mark_of_pass(document, report)).unwrap_or_default(),
         footer: Text::new(format!("Made by bmv, numeric engine {}. ", report.engine_version))
             .plain("The same files give the same bytes; the section on provenance has every hash."),
-        sections: section::SECTIONS.iter().filter_map(|section| (section.build)(report)).collect(),
+        sections,
+        appendix,
     }
 }
 

@@ -76,6 +76,12 @@ impl Text {
         self.link_into(text, parts, "")
     }
 
+    /// Appends a link to a place of the same page, by its anchor.
+    pub fn link_here(mut self, text: impl Into<String>, anchor: &str) -> Self {
+        self.0.push(Inline::Link { text: text.into(), page: String::new(), anchor: encoded(anchor) });
+        self
+    }
+
     /// The same to a section or a figure of that page, by its anchor.
     pub fn link_into(mut self, text: impl Into<String>, parts: &[&str], anchor: &str) -> Self {
         let page = parts.iter().map(|part| encoded(part)).collect::<Vec<_>>().join("/");
@@ -277,12 +283,16 @@ pub enum Block {
     Heading(String),
     /// A paragraph.
     Paragraph(Text),
+    /// Small print to the table or the figures before it.
+    Small(Text),
     /// Unordered items.
     List(Vec<Text>),
     /// A table.
     Table(Table),
     /// A figure.
     Figure(Figure),
+    /// Figures that stand beside one another.
+    Beside(Vec<Figure>),
     /// A callout.
     Callout(Tone, Text),
     /// Key statements beside one another.
@@ -333,6 +343,59 @@ pub struct Page {
     pub footer: Text,
     /// Sections in order.
     pub sections: Vec<Section>,
+    /// Sections of the appendix, which are lettered: what is looked up, and what is left of a section that stands in part
+    /// before it.
+    pub appendix: Vec<Section>,
+}
+
+/// A section at its place in the page.
+#[derive(Clone, Debug)]
+pub struct Placed<'p> {
+    /// The section.
+    pub section: &'p Section,
+    /// Its number, or letter in the appendix.
+    pub number: String,
+    /// Its anchor; of the rest of a section another than that of its first part.
+    pub anchor: String,
+    /// Its title.
+    pub title: String,
+    /// Whether the appendix begins with it.
+    pub begins_appendix: bool,
+}
+
+impl Page {
+    /// The sections in the order in which they stand, with numbers and anchors.
+    pub fn placed(&self) -> impl Iterator<Item = Placed<'_>> {
+        let body = self.sections.iter().enumerate().map(|(at, section)| Placed {
+            section,
+            number: (at + 1).to_string(),
+            anchor: section.id.to_owned(),
+            title: section.title.clone(),
+            begins_appendix: false,
+        });
+        let appendix = self.appendix.iter().enumerate().map(|(at, section)| {
+            let is_rest = self.sections.iter().any(|own| own.id == section.id);
+            Placed {
+                section,
+                number: letter(at),
+                anchor: if is_rest { rest_of(section.id) } else { section.id.to_owned() },
+                title: if is_rest { format!("{}: details", section.title) } else { section.title.clone() },
+                begins_appendix: at == 0,
+            }
+        });
+        body.chain(appendix)
+    }
+}
+
+/// The anchor of what the appendix has of a section.
+pub fn rest_of(id: &str) -> String {
+    format!("{id}-details")
+}
+
+/// The letter of a section of the appendix; after Z comes AA.
+pub fn letter(at: usize) -> String {
+    let own = char::from(b'A' + (at % 26) as u8).to_string();
+    if at < 26 { own } else { letter(at / 26 - 1) + &own }
 }
 
 /// Runs through a page's blocks and hands out numbers of figures and tables in order.
@@ -388,13 +451,14 @@ pub fn figures(page: &Page) -> Vec<(String, &Figure)> {
         for block in blocks {
             match block {
                 Block::Figure(figure) => out.push((numbering.figure(figure).1, figure)),
+                Block::Beside(figures) => out.extend(figures.iter().map(|own| (numbering.figure(own).1, own))),
                 Block::Details(_, blocks) => walk(blocks, numbering, out),
                 _ => {}
             }
         }
     }
     let (mut numbering, mut out) = (Numbering::default(), Vec::new());
-    for section in &page.sections {
+    for section in page.sections.iter().chain(&page.appendix) {
         walk(&section.blocks, &mut numbering, &mut out);
     }
     out

@@ -67,7 +67,7 @@ impl Writer {
         for block in blocks {
             match block {
                 Block::Heading(title) => self.heading(title, '-'),
-                Block::Paragraph(text) => {
+                Block::Paragraph(text) | Block::Small(text) => {
                     self.gap();
                     self.paragraph("", &inline(text), None);
                 }
@@ -91,7 +91,7 @@ impl Writer {
                         self.blocks(blocks);
                     }
                 }
-                Block::Figure(_) => {}
+                Block::Figure(_) | Block::Beside(_) => {}
             }
         }
     }

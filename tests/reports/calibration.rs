@@ -3,7 +3,7 @@
 use bmv::job::calibrate::{Kind, Output};
 use serde_json::json;
 
-use super::rendering::{assert_well_formed, rendered};
+use super::rendering::{assert_well_formed, rendered, section};
 use super::samples::{Sample, entry, transient};
 
 fn output(converged: bool) -> Output {
@@ -57,7 +57,7 @@ fn the_verdict_stands_before_the_numbers() {
     let report = rendered(&calibrated());
     let summary = report.markdown.split("\n## ").nth(1).expect("a summary");
     assert!(summary.contains("did not converge: tuned numbers are not to be relied upon"), "{summary}");
-    let section = report.markdown.rsplit("Calibration").next().expect("a section").to_owned();
+    let section = section(&report.markdown, "calibration");
     let place = |text: &str| section.find(text).unwrap_or_else(|| panic!("{text}: {section}"));
     assert!(place("did not converge") < place("R-hat of G is 1.300"));
     assert!(place("R-hat of G is 1.300") < place("uniform, 0.1 to 2"));

@@ -4,7 +4,7 @@ use bmv::diagnosis::Output;
 use bmv::job::diagnose::Kind;
 use serde_json::{Value, json};
 
-use super::rendering::{assert_well_formed, rendered};
+use super::rendering::{assert_well_formed, rendered, section};
 use super::samples::{Sample, edit, entry, steady};
 
 fn effect(id: &str, probability: f64, group: Option<u64>) -> Value {
@@ -65,9 +65,7 @@ fn told(verdict: &str) -> (String, String) {
     let markdown = report.markdown.replace('\u{A0}', " ");
     let summary =
         markdown.split("## 1. Summary").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a summary");
-    let own =
-        markdown.split(". What is missing").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section");
-    (summary.to_owned(), own.to_owned())
+    (summary.to_owned(), section(&markdown, "diagnosis"))
 }
 
 fn has(text: &str, parts: &[&str]) {
@@ -79,10 +77,7 @@ fn has(text: &str, parts: &[&str]) {
 #[test]
 fn the_first_screen_says_what_is_missing_how_surely_and_what_it_does() {
     let (summary, own) = told("identified");
-    has(
-        &summary,
-        &["Tuned with the proposed `conductive-path:baseplate:board`", "What is missing", "0.0491 ± 0.0031 W/K"],
-    );
+    has(&summary, &["Tuned with proposed `conductive-path:baseplate:board`", "What is missing", "0.0491 ± 0.0031 W/K"]);
     has(
         &summary,
         &["**identified**: **Path** between `baseplate` and `board`: 0.0491 ± 0.0031 W/K", "bmv adopt sample/"],
@@ -158,8 +153,8 @@ fn effects_that_change_nothing_are_counted_and_not_listed() {
     assert!(is_one, "a diagnosis");
     let report = rendered(&sample);
     let markdown = report.markdown.replace('\u{A0}', " ");
-    let own = markdown.split(". What is missing").nth(1).expect("a section");
-    has(own, &["`radiative-path`", "Of 3 more the best size is one that changes nothing."]);
+    let own = section(&markdown, "diagnosis");
+    has(&own, &["`radiative-path`", "Of 3 more the best size is one that changes nothing."]);
     assert!(!own.contains("`heat-load` | `board`"), "{own}");
     // On a phone a row of this table is a list, each value beside its heading.
     has(&report.html, &["<div class=\"table stacks\"", "data-label=\"RMSE, held out [K]\""]);
@@ -179,7 +174,7 @@ fn a_doubtful_start_stands_before_any_verdict() {
         let lines = bmv::report::headline::headlines(job);
         assert!(lines[0].contains("board 12.73 K above. Repair: \"initial\": {\"measured\": {}}"), "{lines:?}");
         let report = rendered(&sample);
-        let own = report.markdown.split(". What is missing").nth(1).expect("a section").to_owned();
+        let own = section(&report.markdown, "diagnosis");
         let at = own.find("12.73 K above").expect("it is said");
         assert!(at < own.find(verdict).expect("a verdict"), "{verdict}: {own}");
         assert!(own.contains("Repair: "), "{own}");
@@ -205,9 +200,9 @@ fn one_held_out_block_has_no_standard_error_and_no_p_is_0() {
     });
     assert!(is_one, "a diagnosis");
     let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
-    let own = markdown.split(". What is missing").nth(1).expect("a section");
+    let own = section(&markdown, "diagnosis");
     has(
-        own,
+        &own,
         &[
             "Held-out rows, in one block, which has no standard error: squared error falls by 155 in units",
             "1 set fitted",

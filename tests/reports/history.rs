@@ -3,7 +3,7 @@
 use bmv::report::history::{History, PassErrors, Readings, Split, States};
 use bmv::report::render;
 
-use super::rendering::assert_well_formed;
+use super::rendering::{assert_well_formed, section};
 use super::samples::steady;
 
 fn split(train: f64, held_out: f64) -> Split {
@@ -49,9 +49,7 @@ fn the_fall_is_told_in_words_numbers_and_three_curves() {
     let mut report = sample.report();
     report.history = Some(history());
     let rendered = render(&report).expect("renders");
-    let section = rendered.markdown.split("<a id=\"history\">").nth(1).expect("the section");
-    let section = section.split("<a id=").next().expect("its end");
-    let words = section.replace('\u{A0}', " ");
+    let words = section(&rendered.markdown, "history").replace('\u{A0}', " ");
     for text in [
         "`pass-2.json` as delivered → tuned, without new physics: RMSE held-out 3.70 K → 1.90 K, for fitting 3.10 K → 1.60 K.",
         "adds `sink-offset:<plate>`: RMSE held-out 1.90 K → 0.30 K, for fitting 1.60 K → 0.26 K (tuned, against `pass-2.json`).",
@@ -96,7 +94,7 @@ fn errors_of_other_readings_are_not_held_against_one_another() {
     other.passes[2].readings_sha256 = Some("ab".into());
     report.history = Some(other);
     let markdown = render(&report).expect("renders").markdown.replace('\u{A0}', " ");
-    let section = markdown.split("<a id=\"history\">").nth(1).expect("the section");
+    let section = section(&markdown, "history");
     let told = "held-out error 3.60 K as delivered, held-out error 0.30 K tuned, on other readings than those of `pass-2.json`";
     assert!(section.replace("\\-", "-").contains(told), "{section}");
     assert!(!section.contains("1.90 K → 0.30 K") && !section.contains("1.90 K \\-\\> 0.30"), "{section}");

@@ -554,6 +554,7 @@ fn plots_of_degenerate_data_are_drawings() {
         let colour = palette::BLUE;
         let label = "a label".to_owned();
         let chart = Chart {
+            is_small: false,
             x: Axis::new("x"),
             y: Axis::new("y"),
             layers: vec![

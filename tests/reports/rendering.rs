@@ -17,6 +17,17 @@ fn summary(report: &RenderedReport) -> &str {
     start.split("<a id=\"problem\"").next().expect("its end").trim()
 }
 
+/// A section of the Markdown by its anchor, with what the appendix has of it.
+pub fn section(markdown: &str, id: &str) -> String {
+    let part = |anchor: &str| {
+        let after = markdown.split(&format!("<a id=\"{anchor}\"></a>")).nth(1);
+        after.and_then(|rest| rest.split("<a id=").next()).unwrap_or_default().to_owned()
+    };
+    let (first, rest) = (part(id), part(&format!("{id}-details")));
+    assert!(!first.is_empty(), "a section {id}");
+    first + &rest
+}
+
 /// Every figure of a page: what stands between its tags.
 fn figures(html: &str) -> Vec<&str> {
     html.split("<figure ").skip(1).map(|part| part.split("</figure>").next().expect("closed")).collect()
@@ -47,7 +58,7 @@ fn radiator_report_sets_probabilistic_and_conventional_sizes_side_by_side() {
     let summary = summary(&report);
     assert!(
         summary.starts_with(
-            "> **Verdict.** Requirement: T at most 35.00\u{A0}\u{B0}C, hot: P = 0.950, required 0.990, **not met**."
+            "> **Verdict.** Requirement: T at most 35.00\u{A0}\u{B0}C, hot: P\u{A0}=\u{A0}0.950, required 0.990, **not met**."
         ),
         "{summary}"
     );
@@ -57,10 +68,12 @@ fn radiator_report_sets_probabilistic_and_conventional_sizes_side_by_side() {
         "- **Conventional size, hot: 0.4152\u{A0}m\u{B2}.** stacked worst case, + 11",
         "- **T, hot: 28.91 \u{B1} 4.19\u{A0}\u{B0}C.** mean and standard deviation",
         "**Reconstructed.** All numbers of this case are reconstructed",
-        "plots/margins-sizes-hot-temperature.svg",
+        "**Next.** In the next pass set `A` to 0.3144\u{A0}m\u{B2}; then `bmv run sample`.",
+        "plots/first-screen-network.svg",
     ] {
         assert!(summary.contains(part), "{part} in {summary}");
     }
+    assert!(report.markdown.contains("plots/margins-sizes-hot-temperature.svg"));
     assert!(report.markdown.contains("| 0.2945 |") && report.markdown.contains(", unsafe"), "{}", report.markdown);
     // Half-way between the sweep's points 0.32 (P = 0.99501) and 0.33 (0.99845), at 0.3244: 0.9965.
     assert!(report.markdown.contains("| nominal, + 11 K | 0.3244 | +3.2 | 0.997 |"), "{}", report.markdown);
@@ -76,7 +89,7 @@ fn transient_report_says_which_sensor_and_when() {
         "| As delivered | 1.14 | 1.64 | 2 of 2 | `T1` |",
         "> **Next.** `bmv diagnose sample/pass-1.json` says which physical effects",
         "Measured and predicted T1 over time, with the residual below. RMSE 1.53\u{A0}K, held out 2.20\u{A0}K.",
-        "plots/as-delivered-step-test-t1-history.svg",
+        "plots/first-screen-as-delivered-step-test-t1-history.svg",
     ] {
         assert!(summary.contains(part), "{part} in {summary}");
     }
@@ -95,12 +108,13 @@ fn steady_report_has_the_map_of_phases_and_the_criteria() {
     for part in [
         "> **Verdict.** Held-out error 0.84\u{A0}K as delivered. Worst: `housing`, +",
         "| As delivered | 0.87 | 0.84 | **1 of 2** | `housing` |",
-        "Heat map of measured minus predicted in K for 22 phases and 6 sensors of balance test.",
-        "plots/as-delivered-balance-test-phases.svg",
+        "Heat map of measured minus predicted in K for 9 phases and 6 sensors of balance test.",
+        "the worst 9 of 22 phases",
+        "plots/first-screen-as-delivered-balance-test-phases.svg",
     ] {
         assert!(summary.contains(part), "{part} in {summary}");
     }
-    let map = &report.figures.iter().find(|f| f.0.ends_with("phases")).expect("a map").1;
+    let map = &report.figures.iter().find(|f| f.0 == "as-delivered-balance-test-phases").expect("a map").1;
     // Phase 7: load 6, housing 0.55 * 6 + 0.25 sin(42.6) = 3.05.
     assert!(map.contains("\n+3.05\n") && map.contains("\nP22\n") && map.contains("\nstrap\n"));
     assert!(report.markdown.contains("| `P07` | not stabilised |"));
@@ -142,7 +156,7 @@ fn hexadecimal(text: &str) -> String {
 #[test]
 fn the_numbers_behind_a_figure_are_those_that_it_shows() {
     let report = rendered(&steady());
-    let csv = &report.data.iter().find(|own| own.0.ends_with("phases")).expect("a map").1;
+    let csv = &report.data.iter().find(|own| own.0 == "as-delivered-balance-test-phases").expect("a map").1;
     let row = csv.lines().find(|line| line.starts_with("P07,housing,")).expect("a row");
     // As the map's cell: load 6, housing 0.55 * 6 + 0.25 sin(42.6) = 3.05.
     let value: f64 = row.split(',').nth(2).expect("a cell").parse().expect("a number");

@@ -3,8 +3,9 @@
 
 use std::sync::Arc;
 
-use super::dialect::unit_of;
+use super::dialect::{name_and_unit, unit_of};
 use super::record::Record;
+use crate::document::suggest::listed;
 use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code};
 use crate::study::table::{Cells, Problems, Table};
 
@@ -52,16 +53,21 @@ pub(super) fn read(source: &Arc<Source>, diagnostics: &mut Diagnostics) -> Vec<L
     lines
 }
 
+/// Names that a message lists.
+const MOST_NAMES: usize = 12;
+
 /// Applies the map.
 pub(super) fn apply(lines: &[Line], record: &mut Record, diagnostics: &mut Diagnostics) {
     let mut names: Vec<(usize, &str)> = Vec::new();
     for line in lines {
-        let Some(at) = record.channels.iter().position(|channel| channel.name == line.channel) else {
+        // A heading copied whole, with its unit, names the channel as well.
+        let of_name = |name: &str| record.channels.iter().position(|channel| channel.name == name);
+        let Some(at) = of_name(&line.channel).or_else(|| of_name(&name_and_unit(&line.channel).0)) else {
+            let names: Vec<&str> = record.channels.iter().map(|channel| channel.name.as_str()).collect();
+            let nearest = diagnostics.nearest(&line.channel, names.iter().copied());
             let message = format!("no file has a channel `{}`", line.channel);
-            let nearest =
-                diagnostics.nearest(&line.channel, record.channels.iter().map(|channel| channel.name.as_str()));
             let diagnostic = Diagnostic::error(&code::TABLE_CELL, &line.place, message).suggest(nearest);
-            diagnostics.push(diagnostic);
+            diagnostics.push(diagnostic.expected(format!("one of {}", listed(names, MOST_NAMES))));
             continue;
         };
         let channel = &mut record.channels[at];

@@ -126,7 +126,7 @@ fn without_figures(sections: &[super::page::Section]) -> Vec<super::page::Sectio
     use super::page::Block;
     fn kept(blocks: &[Block]) -> Vec<Block> {
         let one = |block: &Block| match block {
-            Block::Figure(_) => None,
+            Block::Figure(_) | Block::Beside(_) => None,
             Block::Details(title, blocks) => {
                 let blocks = kept(blocks);
                 (!blocks.is_empty()).then(|| Block::Details(title.clone(), blocks))

@@ -42,6 +42,7 @@ pub fn page(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Page {
             "Made by bmv from the records of the reports below this folder; the same reports give the same bytes.",
         ),
         sections: sections.into_iter().flatten().collect(),
+        ..Page::default()
     }
 }
 

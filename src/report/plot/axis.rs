@@ -12,22 +12,29 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// What stands at 1, 2, ... instead of numbers; empty for numbers.
     pub names: Vec<String>,
+    /// Whether it is one of probabilities near 1.
+    pub is_probability: bool,
 }
 
 impl Axis {
     /// An axis whose range follows from the data.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), range: None, names: Vec::new() }
+        Self { title: title.into(), ..Self::default() }
     }
 
     /// An axis of a given range.
     pub fn over(title: impl Into<String>, from: f64, to: f64) -> Self {
-        Self { title: title.into(), range: Some((from, to)), names: Vec::new() }
+        Self { title: title.into(), range: Some((from, to)), ..Self::default() }
+    }
+
+    /// An axis of probabilities, on which each nine more has the same room: 0.9, 0.99, 0.999.
+    pub fn of_probability(title: impl Into<String>) -> Self {
+        Self { is_probability: true, ..Self::over(title, 0.0, 1.0) }
     }
 
     /// An axis of names, the first at 1, with half a step of room at either end.
     pub fn of_names(title: impl Into<String>, names: Vec<String>) -> Self {
-        Self { title: title.into(), range: Some((0.5, names.len() as f64 + 0.5)), names }
+        Self { title: title.into(), range: Some((0.5, names.len() as f64 + 0.5)), names, is_probability: false }
     }
 
     /// The ticks of a horizontal axis with this scale.
@@ -43,7 +50,12 @@ impl Axis {
     }
 }
 
-/// A linear map of a range of values to pixels, with ticks.
+/// Probabilities nearer to 1 than this are drawn as 1.
+const NEAREST_TO_1: f64 = 1e-4;
+/// Ticks of an axis of probabilities.
+const PROBABILITIES: [(f64, &str); 5] = [(0.0, "0"), (0.9, "0.9"), (0.99, "0.99"), (0.999, "0.999"), (1.0, "1")];
+
+/// A map of a range of values to pixels, with ticks: linear, but for probabilities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
     /// Least value.
@@ -53,6 +65,7 @@ pub struct Scale {
     from: f64,
     to: f64,
     step: f64,
+    is_probability: bool,
 }
 
 impl Scale {
@@ -67,7 +80,12 @@ impl Scale {
             (low, high) = (middle - half, middle + half);
         }
         let step = round_step((high - low) / ticks.max(1) as f64);
-        Self { low, high, from, to, step }
+        Self { low, high, from, to, step, is_probability: false }
+    }
+
+    /// A scale of probabilities from 0 to 1 on pixels.
+    pub fn of_probability(pixels: (f64, f64)) -> Self {
+        Self { is_probability: true, ..Self::new((0.0, 1.0), pixels, 1) }
     }
 
     /// Where a value lies, pixels; kept within the scale.
@@ -75,7 +93,12 @@ impl Scale {
         if value.is_nan() {
             return f64::NAN;
         }
-        let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
+        let share = if self.is_probability {
+            // Nines: the logarithm of what is lacking to 1.
+            ln((1.0 - value).clamp(NEAREST_TO_1, 1.0)) / ln(NEAREST_TO_1)
+        } else {
+            ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
+        };
         self.from + share * (self.to - self.from)
     }
 
@@ -92,6 +115,9 @@ impl Scale {
 
     /// Ticks and their labels.
     pub fn ticks(&self) -> Vec<(f64, String)> {
+        if self.is_probability {
+            return PROBABILITIES.map(|(value, label)| (value, label.to_owned())).into();
+        }
         let first = (self.low / self.step - 1e-6).ceil();
         let count = (((self.high / self.step + 1e-6).floor() - first).max(0.0) as usize).min(40);
         let decimals = decimals_of(self.step);

@@ -11,8 +11,10 @@ use crate::document::visible::is_hidden;
 use super::palette::Colour;
 use super::sheet::{Entry, Numbers, Sheet};
 
-/// Width of every canvas, pixels.
+/// Width of the canvas of a drawing that has the width of a page, pixels.
 pub const WIDTH: u32 = 1600;
+/// Width of the canvas of a drawing that shares the width of a page with another, pixels.
+pub const NARROW: u32 = 1000;
 /// Size of ordinary text, pixels of the canvas.
 pub const TEXT: f64 = 34.0;
 /// Size of small text, pixels of the canvas.
@@ -28,6 +30,11 @@ pub struct Drawing {
 }
 
 impl Drawing {
+    /// Its width and height, pixels of the canvas.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
     /// The numbers that it shows.
     pub fn numbers(&self) -> &Numbers {
         &self.numbers
@@ -160,8 +167,13 @@ pub struct Canvas<'a> {
 
 /// Draws on a new canvas of the standard width.
 pub fn draw(height: u32, paint: impl FnOnce(&mut Canvas<'_>)) -> Drawing {
+    draw_within((WIDTH, height), paint)
+}
+
+/// Draws on a new canvas of a width and height.
+pub fn draw_within((width, height): (u32, u32), paint: impl FnOnce(&mut Canvas<'_>)) -> Drawing {
     let mut text = String::new();
-    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut text, (WIDTH, height)), sheet: Sheet::default() };
+    let mut canvas = Canvas { backend: SVGBackend::with_string(&mut text, (width, height)), sheet: Sheet::default() };
     paint(&mut canvas);
     // Writing to a string cannot fail.
     let _ = canvas.backend.present();
@@ -172,7 +184,7 @@ pub fn draw(height: u32, paint: impl FnOnce(&mut Canvas<'_>)) -> Drawing {
     // A quote in a text is escaped, so these patterns are attributes and nothing else.
     let needless = [" font-family=\"sans-serif\"", " opacity=\"1\"", " stroke=\"none\" stroke-width=\"1\""];
     let body = needless.iter().fold(text[start..end].trim_start().to_owned(), |body, part| body.replace(part, ""));
-    Drawing { width: WIDTH, height, body, numbers }
+    Drawing { width, height, body, numbers }
 }
 
 fn shape(colour: Colour, opacity: f64, width: u32) -> ShapeStyle {

@@ -1,7 +1,7 @@
 //! Charts of two axes: lines, steps, dots, bands, bars, density cells, limits and shaded stretches.
 
 use super::axis::{Axis, Scale, range_of, widened};
-use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
+use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WIDTH, draw_within, fitted, text_width};
 use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between, diverging};
 use super::sheet::Entry;
 
@@ -220,8 +220,10 @@ pub struct Chart {
     pub shades: Vec<Shade>,
     /// What the shade means; empty without one.
     pub shade_label: String,
-    /// Height of the canvas in pixels (its width is 1600); 0 for the usual 900.
+    /// Height of the canvas in pixels; 0 for the usual one.
     pub height: u32,
+    /// Whether it shares the width of the page with another picture.
+    pub is_small: bool,
 }
 
 /// A part of the canvas.
@@ -236,9 +238,10 @@ pub(super) struct Area {
 impl Chart {
     /// Draws the chart on a canvas of its own.
     pub fn draw(&self) -> Drawing {
-        let height = if self.height == 0 { 900 } else { self.height };
-        draw(height, |canvas| {
-            let area = Area { left: 0.0, top: 0.0, right: f64::from(WIDTH), bottom: f64::from(height) };
+        let (width, usual) = if self.is_small { (NARROW, 620) } else { (WIDTH, 900) };
+        let height = if self.height == 0 { usual } else { self.height };
+        draw_within((width, height), |canvas| {
+            let area = Area { left: 0.0, top: 0.0, right: f64::from(width), bottom: f64::from(height) };
             let frame = self.paint(canvas, area, None, true);
             canvas.columns(chart_columns(&self.x.title, &self.y.title));
             self.record(canvas, &frame, "");
@@ -344,11 +347,12 @@ impl Chart {
             // Bars stand on the axis.
             if self.layers.iter().any(|l| matches!(l, Layer::Bars { .. })) { (0.0, high) } else { (low, high) }
         });
-        let y = Scale::new(
-            y_range,
-            (inner_bottom, inner_top.min(inner_bottom - 10.0)),
-            if inner_bottom - inner_top < 300.0 { 3 } else { 6 },
-        );
+        let upright = (inner_bottom, inner_top.min(inner_bottom - 10.0));
+        let y = if self.y.is_probability {
+            Scale::of_probability(upright)
+        } else {
+            Scale::new(y_range, upright, if inner_bottom - inner_top < 300.0 { 3 } else { 6 })
+        };
         let y_ticks = y.ticks();
         let widest = y_ticks.iter().map(|t| text_width(&t.1, TEXT)).fold(0.0, f64::max);
         let inner_left = area.left + left.unwrap_or(widest + 104.0);

@@ -1,6 +1,6 @@
 //! A map of numbers by row and column with diverging colours, their scale, and the numbers printed where they have room.
 
-use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
+use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WIDTH, draw_within, fitted, text_width};
 use super::palette::{INK, MUTED, PAPER, diverging, is_light};
 use super::sheet::Entry;
 use crate::report::number::{fixed, signed, significant};
@@ -24,6 +24,8 @@ pub struct HeatMap {
     pub decimals: usize,
     /// Numbers that are never below 0, printed without their sign.
     pub is_unsigned: bool,
+    /// Whether it shares the width of the page with another picture.
+    pub is_small: bool,
 }
 
 /// Rows above which they stand closer together.
@@ -58,23 +60,29 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
     let names =
         map.rows.iter().map(|r| text_width(&r.0, TEXT) + if r.1 { 34.0 } else { 0.0 }).fold(0.0, f64::max).min(520.0);
     let left = names + 30.0;
-    let right = f64::from(WIDTH) - 12.0;
+    let canvas_width = if map.is_small { NARROW } else { WIDTH };
+    let right = f64::from(canvas_width) - 12.0;
     let columns = map.columns.len().max(1) as f64;
     let width = ((right - left) / columns).min(250.0);
     let right = left + width * columns;
     let longest = map.columns.iter().map(|c| text_width(c, TEXT)).fold(0.0, f64::max);
     let is_upright = longest > width - 10.0;
     let head = if is_upright { longest.min(300.0) + 20.0 } else { 56.0 };
-    let row_height = if map.rows.len() > MANY_ROWS { 38.0 } else { 50.0 };
+    let row_height = match map.rows.len() {
+        rows if map.is_small => (336.0 / rows.max(1) as f64).clamp(28.0, 50.0),
+        rows if rows > MANY_ROWS => 38.0,
+        _ => 50.0,
+    };
     let top = 64.0 + head;
     let bottom = top + row_height * map.rows.len() as f64;
     let letters = lettering(map, width, row_height);
     let name_size = TEXT.min(0.85 * row_height);
-    draw((bottom + 124.0) as u32, |canvas| {
+    draw_within((canvas_width, (bottom + if map.is_small { 104.0 } else { 124.0 }) as u32), |canvas| {
         // What the signs mean stands behind a colon.
         let title = map.legend.split(':').next().unwrap_or_default();
         canvas.columns(["row", "column", title, "mark"]);
-        canvas.text(&fitted(&map.legend, TEXT, f64::from(WIDTH) - 20.0), (10.0, 30.0), Lettering::new(TEXT, INK));
+        let legend = fitted(&map.legend, TEXT, f64::from(canvas_width) - 20.0);
+        canvas.text(&legend, (10.0, 30.0), Lettering::new(TEXT, INK));
         for (position, name) in map.columns.iter().enumerate() {
             let x = left + width * (position as f64 + 0.5);
             if is_upright {
@@ -101,7 +109,7 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
             }
         }
         canvas.path(&[(left, bottom), (right, bottom)], INK, 2);
-        paint_scale(canvas, map, full, left.min(200.0), bottom + 34.0);
+        paint_scale(canvas, map, full, left.min(if map.is_small { 60.0 } else { 200.0 }), bottom + 34.0);
     })
 }
 
@@ -133,7 +141,7 @@ fn paint_cell(
 /// The colours with their numbers and the limit, then what the mark of a row and the frame of a cell mean.
 fn paint_scale(canvas: &mut Canvas<'_>, map: &HeatMap, full: f64, left: f64, y: f64) {
     const STEPS: usize = 40;
-    let (width, height) = (620.0, 26.0);
+    let (width, height) = (if map.is_small { 380.0 } else { 620.0 }, 26.0);
     let low = if map.is_unsigned { 0.0 } else { -1.0 };
     let place = |share: f64| left + width * (share - low) / (1.0 - low);
     for step in 0..STEPS {
@@ -162,12 +170,13 @@ fn paint_scale(canvas: &mut Canvas<'_>, map: &HeatMap, full: f64, left: f64, y: 
             written = place(share) + half + 6.0;
         }
     }
-    let mut x = left + width + 70.0;
+    let (apart, from_text) = if map.is_small { (44.0, 26.0) } else { (70.0, 40.0) };
+    let mut x = left + width + apart;
     let middle = y + height / 2.0;
     if map.rows.iter().any(|row| row.1) {
         canvas.circle((x, middle), 8, MUTED, 4);
         canvas.text(&map.mark_label, (x + 20.0, middle), Lettering::new(SMALL, MUTED));
-        x += 20.0 + text_width(&map.mark_label, SMALL) + 40.0;
+        x += 20.0 + text_width(&map.mark_label, SMALL) + from_text;
     }
     if map.limit.is_some() {
         canvas.outline((x, middle - 14.0), (x + 44.0, middle + 14.0), INK, 2);

@@ -1,7 +1,7 @@
 //! Measured against predicted over time, with the residual below.
 
 use super::axis::Axis;
-use super::canvas::{Drawing, WIDTH, draw};
+use super::canvas::{Drawing, NARROW, WIDTH, draw_within};
 use super::chart::{Along, Area, Chart, Layer, Limit, Mark, Shade, Stroke};
 use super::palette::{BLUE, INK, MUTED, VERMILION};
 use super::sheet::Entry;
@@ -21,11 +21,13 @@ pub struct History {
     pub held_out: Vec<Shade>,
     /// Limit of the residual's magnitude, if any.
     pub limit: Option<f64>,
+    /// Whether it shares the width of the page with another picture.
+    pub is_small: bool,
 }
 
 /// Draws dots for the readings, a line for the prediction and the residual in a panel below.
 pub fn history(data: &History) -> Drawing {
-    let height = 1120.0;
+    let (width, height, middle) = if data.is_small { (NARROW, 640.0, 400.0) } else { (WIDTH, 1120.0, 705.0) };
     let upper = Chart {
         x: Axis::new(""),
         y: Axis::new(data.y_title.clone()),
@@ -65,10 +67,10 @@ pub fn history(data: &History) -> Drawing {
         limits,
         ..Chart::default()
     };
-    draw(height as u32, |canvas| {
-        let right = f64::from(WIDTH);
-        let frame = upper.paint(canvas, Area { left: 0.0, top: 0.0, right, bottom: 730.0 }, Some(190.0), false);
-        lower.paint(canvas, Area { left: 0.0, top: 680.0, right, bottom: height }, Some(190.0), true);
+    draw_within((width, height as u32), |canvas| {
+        let right = f64::from(width);
+        let frame = upper.paint(canvas, Area { left: 0.0, top: 0.0, right, bottom: middle + 25.0 }, Some(190.0), false);
+        lower.paint(canvas, Area { left: 0.0, top: middle - 25.0, right, bottom: height }, Some(190.0), true);
         let predicted = format!("predicted {}", data.y_title);
         canvas.columns(
             [&data.x_title, &format!("measured {}", data.y_title), &predicted, &data.residual_title, "held out"]

@@ -1,9 +1,10 @@
 //! The thermal network as a diagram: nodes as boxes, boundaries filled, paths as lines, heat as arrows.
 
-use super::canvas::{Anchor, Canvas, Drawing, Lettering, SMALL, TEXT, WIDTH, draw, fitted, text_width};
+use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WIDTH, draw_within, fitted, text_width};
 use super::layout::{positions, push_apart};
-use super::palette::{AMBER, BLUE, Colour, GREEN, INK, MUTED, PAPER, PURPLE, VERMILION};
+use super::palette::{AMBER, BLUE, Colour, GREEN, INK, MUTED, PAPER, PURPLE, VERMILION, diverging, is_light};
 use super::sheet::Entry;
+use crate::report::number::{signed, significant};
 
 pub use crate::thermal::element::{Path, Source};
 
@@ -41,6 +42,12 @@ pub struct Diagram {
     pub adopted: Vec<String>,
     /// What is missing.
     pub missing: Vec<Missing>,
+    /// Largest measured minus predicted at each node; `None` where nothing is measured. Empty: nodes keep their plain colour.
+    pub deviations: Vec<Option<f64>>,
+    /// Magnitude of a deviation that gets the full colour.
+    pub full_scale: f64,
+    /// Whether it shares the width of the page with another picture.
+    pub is_small: bool,
 }
 
 /// A path that is missing between two nodes; heat at one where both are the same.
@@ -55,6 +62,12 @@ pub struct Missing {
     /// The other.
     pub to: usize,
 }
+
+/// Paths that have their names in the picture; of more the table has them.
+const MOST_NAMED: usize = 30;
+
+/// Size of a node's deviation, of its name's.
+const NUMBER: f64 = 0.8;
 
 /// Band under what is missing or adopted.
 const BAND: Colour = (250, 214, 112);
@@ -81,26 +94,45 @@ fn crosses((from, to): &Segment, rectangle: &Boxed) -> bool {
 /// Draws the network.
 pub fn network(diagram: &Diagram) -> Drawing {
     let count = diagram.nodes.len();
-    let size = if count > 20 { (TEXT * (20.0 / count as f64).sqrt()).max(18.0) } else { TEXT };
+    let size = if diagram.is_small && (9..=20).contains(&count) {
+        0.82 * TEXT
+    } else if count > 20 {
+        (TEXT * (20.0 / count as f64).sqrt()).max(18.0)
+    } else {
+        TEXT
+    };
     let field = match count {
+        _ if diagram.is_small => 460.0,
         0..=3 => 430.0,
         4..=6 => 640.0,
         7..=12 => 860.0,
         13..=24 => 1080.0,
         _ => 1500.0,
     };
-    let width = f64::from(WIDTH);
+    let canvas_width = if diagram.is_small { NARROW } else { WIDTH };
+    let width = f64::from(canvas_width);
+    let (side, rim) = if diagram.is_small { (110.0, 60.0) } else { (200.0, 110.0) };
     let links: Vec<_> = diagram.paths.iter().filter(|p| !diagram.adopted.contains(&p.0)).map(|p| (p.2, p.3)).collect();
     let sinks: Vec<_> = diagram.nodes.iter().map(|n| n.1 == NodeShape::Boundary).collect();
     let names: Vec<_> = diagram.nodes.iter().map(|n| fitted(&n.0, size, 330.0)).collect();
-    let boxes: Vec<_> = names.iter().map(|n| (text_width(n, size) + 1.3 * size, 1.9 * size)).collect();
+    let deviation_of = |node: usize| diagram.deviations.get(node).copied().flatten();
+    // The colour in numbers, for those who do not see it.
+    let numbers: Vec<_> =
+        (0..count).map(|node| deviation_of(node).map(|own| signed(own, 1)).unwrap_or_default()).collect();
+    let width_of = |(name, number): (&String, &String)| {
+        let number = if number.is_empty() { 0.0 } else { text_width(number, NUMBER * size) + 0.4 * size };
+        text_width(name, size) + number + 1.3 * size
+    };
+    let boxes: Vec<_> = names.iter().zip(&numbers).map(|own| (width_of(own), 1.9 * size)).collect();
     let mut centres: Vec<_> = positions(count, &links, &sinks)
         .into_iter()
-        .map(|(x, y)| (200.0 + x * (width - 400.0), 110.0 + y * (field - 220.0)))
+        .map(|(x, y)| (side + x * (width - 2.0 * side), rim + y * (field - 2.0 * rim)))
         .collect();
     push_apart(&mut centres, &boxes, 1.6 * size, (width, field));
 
-    draw((field + 130.0) as u32, |canvas| {
+    let key = key(diagram);
+    let key_height = 38.0 + 46.0 * key_rows(&key, width).len() as f64;
+    draw_within((canvas_width, (field + key_height) as u32), |canvas| {
         let mut taken: Vec<Boxed> = centres.iter().copied().zip(boxes.iter().copied()).collect();
         let lanes = lanes(diagram);
         for (path, &lane) in diagram.paths.iter().zip(&lanes) {
@@ -118,7 +150,10 @@ pub fn network(diagram: &Diagram) -> Drawing {
             canvas.dashed(points, colour_of(own.path), 9, 30.0, 18.0);
         }
         for (position, (_, kind)) in diagram.nodes.iter().enumerate() {
-            paint_node(canvas, &names[position], *kind, (centres[position], boxes[position]), size);
+            let colour =
+                diagram.deviations.get(position).copied().flatten().map(|own| diverging(own / diagram.full_scale));
+            let texts = (names[position].as_str(), numbers[position].as_str());
+            paint_node(canvas, texts, (*kind, colour), (centres[position], boxes[position]), size);
         }
         let lines: Vec<_> = diagram
             .paths
@@ -126,15 +161,16 @@ pub fn network(diagram: &Diagram) -> Drawing {
             .zip(&lanes)
             .filter_map(|(p, &lane)| Some(shifted(*centres.get(p.2)?, *centres.get(p.3)?, lane)))
             .collect();
+        // What is missing is named first: it finds the best place.
+        for (own, points) in diagram.missing.iter().zip(&missing) {
+            label_missing(canvas, own, points, &mut taken, (width, field));
+        }
         for (name, source, node) in &diagram.sources {
             if let (Some(&centre), Some(&shape)) = (centres.get(*node), boxes.get(*node)) {
                 paint_source(canvas, name, *source, (centre, shape), &mut taken, &lines, (width, field));
             }
         }
-        for (own, points) in diagram.missing.iter().zip(&missing) {
-            label_missing(canvas, own, points, &mut taken, width);
-        }
-        if diagram.paths.len() <= 30 {
+        if diagram.paths.len() <= MOST_NAMED {
             for (path, &lane) in diagram.paths.iter().zip(&lanes) {
                 if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
                     let (from, to) = shifted(from, to, lane);
@@ -142,18 +178,21 @@ pub fn network(diagram: &Diagram) -> Drawing {
                 }
             }
         }
-        paint_key(canvas, diagram, field + 40.0);
+        paint_key(canvas, &key, field + 40.0, width);
         record(canvas, diagram, &centres);
     })
 }
 
 /// What a network shows has names and kinds; where it lies tells nothing.
 fn record(canvas: &mut Canvas<'_>, diagram: &Diagram, centres: &[(f64, f64)]) {
-    canvas.columns(["name", "kind", "node", "other node", "mark"]);
+    canvas.columns(["name", "kind", "node", "other node", "mark", DEVIATION]);
     let name = |node: usize| diagram.nodes.get(node).map_or("", |own| own.0.as_str());
     let place = |node: usize| centres.get(node).copied().unwrap_or((f64::NAN, f64::NAN));
     for (node, (own, shape)) in diagram.nodes.iter().enumerate() {
-        let row = canvas.record([own.as_str().into(), shape.words().into()]);
+        let deviation = diagram.deviations.get(node).copied().flatten().map_or(Entry::Empty, Entry::from);
+        let nothing = [Entry::Empty, Entry::Empty, Entry::Empty];
+        let row =
+            canvas.record([own.as_str().into(), shape.words().into()].into_iter().chain(nothing).chain([deviation]));
         canvas.seen(row, place(node));
     }
     let adopted = |own: &str| Entry::mark("adopted", diagram.adopted.iter().any(|other| other == own));
@@ -183,6 +222,9 @@ fn record(canvas: &mut Canvas<'_>, diagram: &Diagram, centres: &[(f64, f64)]) {
         ]);
     }
 }
+
+/// What the colour of a node says.
+const DEVIATION: &str = "largest measured \u{2212} predicted";
 
 /// What sources are called.
 const LOAD: &str = "heat load";
@@ -227,13 +269,24 @@ fn route(own: &Missing, centres: &[(f64, f64)], boxes: &[(f64, f64)]) -> Vec<(f6
 }
 
 /// The name of what is missing, on its line where that is free.
-fn label_missing(canvas: &mut Canvas<'_>, own: &Missing, points: &[(f64, f64)], taken: &mut Vec<Boxed>, width: f64) {
+fn label_missing(
+    canvas: &mut Canvas<'_>,
+    own: &Missing,
+    points: &[(f64, f64)],
+    taken: &mut Vec<Boxed>,
+    (width, field): (f64, f64),
+) {
     let name = fitted(&own.label, SMALL, 620.0);
     let label = (text_width(&name, SMALL) + 16.0, 1.3 * SMALL);
     let half = label.0 / 2.0;
-    let inside = |at: (f64, f64)| (at.0.clamp(half + 4.0, (width - half - 4.0).max(half + 4.0)), at.1);
+    let inside =
+        |at: (f64, f64)| (at.0.clamp(half + 4.0, (width - half - 4.0).max(half + 4.0)), at.1.min(field - 24.0));
     let on_line = points.iter().copied();
-    let beside = points.iter().flat_map(|&(x, y)| [(x, y - 44.0), (x, y + 44.0), (x, y - 80.0), (x, y + 80.0)]);
+    let beside = points.iter().flat_map(|&(x, y)| {
+        [44.0, 80.0, 120.0].into_iter().flat_map(move |by| {
+            [(x, y - by), (x, y + by), (x - half, y - by), (x + half, y - by), (x - half, y + by), (x + half, y + by)]
+        })
+    });
     // From the middle outwards.
     let mut places: Vec<(f64, f64)> = on_line.chain(beside).map(inside).filter(|at| at.1 > 24.0).collect();
     let middle = points.get(points.len() / 2).copied().unwrap_or((width / 2.0, 60.0));
@@ -292,7 +345,15 @@ fn paint_path(canvas: &mut Canvas<'_>, path: Path, from: (f64, f64), to: (f64, f
     }
 }
 
-fn paint_node(canvas: &mut Canvas<'_>, name: &str, kind: NodeShape, (centre, shape): Boxed, size: f64) {
+/// A box with its name and, in a colour that tells the same, its deviation.
+fn paint_node(
+    canvas: &mut Canvas<'_>,
+    (name, number): (&str, &str),
+    (kind, colour): (NodeShape, Option<Colour>),
+    (centre, shape): Boxed,
+    size: f64,
+) {
+    let ink_on = |colour: Option<Colour>| if colour.is_none_or(is_light) { INK } else { PAPER };
     let (a, b) =
         ((centre.0 - shape.0 / 2.0, centre.1 - shape.1 / 2.0), (centre.0 + shape.0 / 2.0, centre.1 + shape.1 / 2.0));
     let ink = match kind {
@@ -301,17 +362,21 @@ fn paint_node(canvas: &mut Canvas<'_>, name: &str, kind: NodeShape, (centre, sha
             PAPER
         }
         NodeShape::Diffusion => {
-            canvas.fill(a, b, (231, 242, 250), 1.0);
+            canvas.fill(a, b, colour.unwrap_or((231, 242, 250)), 1.0);
             canvas.outline(a, b, BLUE, 5);
-            INK
+            ink_on(colour)
         }
         NodeShape::Arithmetic => {
-            canvas.fill(a, b, PAPER, 1.0);
+            canvas.fill(a, b, colour.unwrap_or(PAPER), 1.0);
             canvas.dashed(&[a, (b.0, a.1), b, (a.0, b.1), a], BLUE, 4, 12.0, 8.0);
-            INK
+            ink_on(colour)
         }
     };
-    canvas.text(name, centre, Lettering::new(size, ink).bold().at(Anchor::Middle));
+    let beside = if number.is_empty() { 0.0 } else { text_width(number, NUMBER * size) + 0.4 * size };
+    let middle = (centre.0 - beside / 2.0, centre.1);
+    canvas.text(name, middle, Lettering::new(size, ink).bold().at(Anchor::Middle));
+    let end = (centre.0 + shape.0 / 2.0 - 0.35 * size, centre.1);
+    canvas.text(number, end, Lettering::new(NUMBER * size, ink).at(Anchor::End));
 }
 
 /// An arrow from the side where its name finds room.
@@ -329,6 +394,7 @@ fn paint_source(
     let label = (text_width(&name, SMALL) + 14.0, 1.3 * SMALL);
     let (half_x, half_y) = (shape.0 / 2.0, shape.1 / 2.0);
     let mut best = None;
+    let mut is_named = false;
     // First a place that no line crosses, then any that is free.
     'search: for (reach, may_cross) in [(66.0, false), (100.0, false), (66.0, true), (100.0, true), (140.0, true)] {
         let (far_x, far_y) = (half_x + reach + label.0 / 2.0, half_y + reach + label.1 / 2.0);
@@ -345,12 +411,12 @@ fn paint_source(
             let is_free = !taken.iter().any(|t| overlap(t, &(at, label)));
             if fits && is_free && (may_cross || !lines.iter().any(|l| crosses(l, &(at, label)))) {
                 best = Some(candidate);
+                is_named = true;
                 break 'search;
             }
         }
     }
     if let Some((at, (sx, sy))) = best {
-        taken.push((at, label));
         let tip = if sy == 0.0 {
             (centre.0 + sx * half_x, centre.1)
         } else {
@@ -361,7 +427,11 @@ fn paint_source(
         taken.push((((tail.0 + tip.0) / 2.0, (tail.1 + tip.1) / 2.0), shaft));
         canvas.path(&[tail, tip], colour, 6);
         canvas.arrow_head(tail, tip, colour, 28.0);
-        canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour).at(Anchor::Middle));
+        // A name without a free place would cover another; the table has it.
+        if is_named {
+            taken.push((at, label));
+            canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour).at(Anchor::Middle));
+        }
     }
 }
 
@@ -373,7 +443,7 @@ fn label_path(
     (from, to): ((f64, f64), (f64, f64)),
     taken: &mut Vec<Boxed>,
 ) {
-    let name = fitted(name, SMALL, 260.0);
+    let name = fitted(name, SMALL, 380.0);
     let label = (text_width(&name, SMALL) + 12.0, 1.2 * SMALL);
     for share in [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74] {
         let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
@@ -385,59 +455,120 @@ fn label_path(
     }
 }
 
-fn paint_key(canvas: &mut Canvas<'_>, diagram: &Diagram, y: f64) {
-    canvas.path(&[(0.0, y - 30.0), (f64::from(WIDTH), y - 30.0)], super::palette::GRID, 2);
-    let mut x = 20.0;
-    let mut row = 0.0;
-    let mut entry = |canvas: &mut Canvas<'_>, label: &str, paint: &dyn Fn(&mut Canvas<'_>, f64, f64)| {
-        let needed = 76.0 + text_width(label, SMALL) + 34.0;
-        if x + needed > f64::from(WIDTH) {
-            x = 20.0;
-            row += 1.0;
-        }
-        let y = y + 8.0 + 46.0 * row;
-        paint(canvas, x, y);
-        canvas.text(label, (x + 76.0, y), Lettering::new(SMALL, INK));
-        x += needed;
-    };
-    let node = |kind| {
-        move |canvas: &mut Canvas<'_>, x: f64, y: f64| {
-            paint_node(canvas, "", kind, ((x + 30.0, y), (56.0, 32.0)), SMALL)
-        }
-    };
-    for kind in [NodeShape::Diffusion, NodeShape::Arithmetic, NodeShape::Boundary] {
-        if diagram.nodes.iter().any(|n| n.1 == kind) {
-            entry(canvas, kind.words(), &node(kind));
-        }
-    }
-    for kind in [Path::Conductor, Path::Radiation, Path::Flow, Path::Cooler] {
-        if diagram.paths.iter().any(|p| p.1 == kind) {
-            entry(canvas, path_words(kind), &|canvas, x, y| paint_path(canvas, kind, (x, y), (x + 62.0, y)));
+/// An entry of the key: a mark and what it means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Key {
+    Node(NodeShape),
+    Path(Path),
+    Source(Source),
+    Deviation(f64),
+    Missing,
+    Adopted,
+    Unnamed,
+}
+
+impl Key {
+    fn words(self) -> String {
+        match self {
+            Self::Node(kind) => kind.words().into(),
+            Self::Path(path) => path_words(path).into(),
+            Self::Source(Source::Load) => LOAD.into(),
+            Self::Source(_) => HEATER.into(),
+            Self::Deviation(full) => {
+                let full = significant(full, 2);
+                format!("largest meas. \u{2212} pred., \u{2212}{full} to +{full} K")
+            }
+            Self::Missing => "missing".into(),
+            Self::Adopted => "adopted".into(),
+            Self::Unnamed => "names of the paths: see the table".into(),
         }
     }
-    for (kind, label, colour) in [(Source::Load, LOAD, GREEN), (Source::Heater, HEATER, AMBER)] {
-        if diagram.sources.iter().any(|s| s.1 == kind) {
-            entry(canvas, label, &|canvas, x, y| {
+
+    /// Width of its mark with what is free behind it.
+    fn mark_width(self) -> f64 {
+        if matches!(self, Self::Deviation(_)) { 136.0 } else { 76.0 }
+    }
+
+    fn paint(self, canvas: &mut Canvas<'_>, (x, y): (f64, f64)) {
+        match self {
+            Self::Node(kind) => paint_node(canvas, ("", ""), (kind, None), ((x + 30.0, y), (56.0, 32.0)), SMALL),
+            Self::Path(kind) => paint_path(canvas, kind, (x, y), (x + 62.0, y)),
+            Self::Source(kind) => {
+                let colour = if kind == Source::Load { GREEN } else { AMBER };
                 canvas.path(&[(x, y), (x + 50.0, y)], colour, 6);
                 canvas.arrow_head((x, y), (x + 62.0, y), colour, 28.0);
-            });
+            }
+            Self::Deviation(_) => {
+                for step in 0..=10 {
+                    let (left, share) = (x + 11.0 * f64::from(step), f64::from(step) / 5.0 - 1.0);
+                    canvas.fill((left, y - 13.0), (left + 12.0, y + 13.0), diverging(share), 1.0);
+                }
+                canvas.outline((x, y - 13.0), (x + 122.0, y + 13.0), MUTED, 2);
+            }
+            Self::Missing | Self::Adopted => {
+                canvas.path(&[(x, y), (x + 66.0, y)], BAND, 22);
+                if self == Self::Missing {
+                    canvas.dashed(&[(x, y), (x + 66.0, y)], INK, 9, 26.0, 14.0);
+                } else {
+                    canvas.path(&[(x, y), (x + 66.0, y)], INK, 5);
+                }
+            }
+            Self::Unnamed => canvas.path(&[(x, y), (x + 60.0, y)], MUTED, 2),
         }
     }
-    if !diagram.missing.is_empty() {
-        entry(canvas, "missing", &|canvas, x, y| {
-            canvas.path(&[(x, y), (x + 66.0, y)], BAND, 22);
-            canvas.dashed(&[(x, y), (x + 66.0, y)], INK, 9, 26.0, 14.0);
-        });
+}
+
+/// What the picture holds, in the order of its key.
+fn key(diagram: &Diagram) -> Vec<Key> {
+    let nodes = [NodeShape::Diffusion, NodeShape::Arithmetic, NodeShape::Boundary]
+        .into_iter()
+        .filter(|kind| diagram.nodes.iter().any(|node| node.1 == *kind));
+    let paths = [Path::Conductor, Path::Radiation, Path::Flow, Path::Cooler]
+        .into_iter()
+        .filter(|kind| diagram.paths.iter().any(|path| path.1 == *kind));
+    let sources = [Source::Load, Source::Heater]
+        .into_iter()
+        .filter(|kind| diagram.sources.iter().any(|source| source.1 == *kind));
+    let has_deviations = diagram.deviations.iter().any(Option::is_some);
+    let marks = [
+        has_deviations.then_some(Key::Deviation(diagram.full_scale)),
+        (!diagram.missing.is_empty()).then_some(Key::Missing),
+        (!diagram.adopted.is_empty()).then_some(Key::Adopted),
+        (diagram.paths.len() > MOST_NAMED).then_some(Key::Unnamed),
+    ];
+    nodes
+        .map(Key::Node)
+        .chain(paths.map(Key::Path))
+        .chain(sources.map(Key::Source))
+        .chain(marks.into_iter().flatten())
+        .collect()
+}
+
+/// The key broken into rows of a width.
+fn key_rows(key: &[Key], width: f64) -> Vec<Vec<Key>> {
+    let mut rows: Vec<Vec<Key>> = vec![Vec::new()];
+    let mut x = 20.0;
+    for own in key {
+        let needed = own.mark_width() + text_width(&own.words(), SMALL);
+        if x + needed > width {
+            x = 20.0;
+            rows.push(Vec::new());
+        }
+        x += needed + 34.0;
+        rows.last_mut().into_iter().for_each(|row| row.push(*own));
     }
-    if !diagram.adopted.is_empty() {
-        entry(canvas, "adopted", &|canvas, x, y| {
-            canvas.path(&[(x, y), (x + 66.0, y)], BAND, 22);
-            canvas.path(&[(x, y), (x + 66.0, y)], INK, 5);
-        });
-    }
-    if diagram.paths.len() > 30 {
-        entry(canvas, "names of the paths: see the table", &|canvas, x, y| {
-            canvas.path(&[(x, y), (x + 60.0, y)], MUTED, 2)
-        });
+    rows
+}
+
+fn paint_key(canvas: &mut Canvas<'_>, key: &[Key], y: f64, width: f64) {
+    canvas.path(&[(0.0, y - 30.0), (width, y - 30.0)], super::palette::GRID, 2);
+    for (number, row) in key_rows(key, width).iter().enumerate() {
+        let (mut x, y) = (20.0, y + 8.0 + 46.0 * number as f64);
+        for own in row {
+            own.paint(canvas, (x, y));
+            x += own.mark_width();
+            canvas.text(&own.words(), (x, y), Lettering::new(SMALL, INK));
+            x += text_width(&own.words(), SMALL) + 34.0;
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::report::csv;
 use crate::report::number::as_given;
 
 /// Most bytes of the values that a page tells; of more places an even choice is told.
-pub const MOST_BYTES: usize = 24 << 10;
+pub const MOST_BYTES: usize = 16 << 10;
 
 /// What stands in a cell.
 #[derive(Clone, Debug, PartialEq)]

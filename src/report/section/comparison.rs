@@ -1,5 +1,6 @@
 //! Model against measurements: criteria, sensors, phases, residuals in time, trends, heat balance, steadiness.
 
+mod at_nodes;
 mod brief;
 mod figures;
 
@@ -11,6 +12,8 @@ use crate::report::view::PassReport;
 
 use super::Entry;
 
+pub(super) use at_nodes::{AtNodes, at_nodes};
+use figures::full_scale;
 pub(super) use figures::{Shows, phase_map, time_history};
 
 /// Readings up to which the table of all of them is part of the report.

@@ -137,6 +137,7 @@ fn figure(job: &str, output: &Output) -> Option<Figure> {
                 mark_label: String::new(),
                 decimals: digits(output),
                 is_unsigned: true,
+                is_small: false,
             };
             let caption = format!(
                 "Expected information about {learn} by {} and {}, in nats. Empty: not allowed.",

@@ -86,6 +86,11 @@ pub fn objection(report: &PassReport<'_>) -> Option<Text> {
     summary::claims::objection_to_all(report)
 }
 
+/// What the names of pictures on the first screen begin with: in full they stand in their own sections.
+fn prefix(is_small: bool) -> &'static str {
+    if is_small { "first-screen-" } else { "" }
+}
+
 /// Which jobs the passes of a study lack for their errors to be stated.
 pub fn missing_jobs(history: &History) -> Vec<Text> {
     history.passes.iter().flat_map(history::missing_jobs).collect()

@@ -14,7 +14,8 @@ use crate::report::view::PassReport;
 use crate::thermal::element::{Drawing, Element};
 use crate::thermal::{Model, NodeKind};
 
-use super::Entry;
+use super::comparison::{AtNodes, at_nodes};
+use super::{Entry, prefix};
 
 /// The section.
 pub(super) const SECTION: Entry = Entry::plain(build);
@@ -49,8 +50,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         counted(model.elements.len(), "element")
     );
     blocks.push(Block::paragraph(words));
-    // What is missing or adopted stands on the first screen, with the same picture.
-    blocks.extend(picture(report).filter(|(_, is_marked)| !is_marked).map(|(figure, _)| Block::Figure(figure)));
+    blocks.extend(picture(report, false).map(Block::Figure));
     if let Some(parts) = parts::Parts::new(report) {
         blocks.extend(parts.tables(model));
         return Some(Section { id: "model", title: "Thermal model".into(), blocks });
@@ -62,27 +62,25 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
     Some(Section { id: "model", title: "Thermal model".into(), blocks })
 }
 
-/// The network with what a diagnosis finds missing or the pass adopts; none where neither has a place in it.
-pub(super) fn where_missing(report: &PassReport<'_>) -> Option<Figure> {
-    picture(report).filter(|(_, is_marked)| *is_marked).map(|(figure, _)| figure)
-}
-
-/// The picture of the network, and whether something in it is marked.
-fn picture(report: &PassReport<'_>) -> Option<(Figure, bool)> {
+/// The picture of the network, with what a diagnosis finds missing and what the pass adopts; small for the first screen.
+pub(super) fn picture(report: &PassReport<'_>, is_small: bool) -> Option<Figure> {
     let model = report.model;
     if model.nodes.is_empty() {
         return None;
     }
-    let (mut diagram, is_marked, of) = match parts::Parts::new(report) {
+    let deviations = at_nodes(report);
+    let (mut diagram, of) = match parts::Parts::new(report) {
         Some(parts) => {
             let mut diagram = parts.diagram(model)?;
-            let is_marked = marked::mark(report, &mut diagram, |node| parts.part(node));
-            (diagram, is_marked, "by its parts")
+            marked::mark(report, &mut diagram, |node| parts.part(node));
+            colour(&mut diagram, deviations.as_ref(), |node| parts.part(node));
+            (diagram, "by its parts")
         }
         None => {
             let mut diagram = diagram(model);
-            let is_marked = marked::mark(report, &mut diagram, |node| node);
-            (diagram, is_marked, "as it is solved")
+            marked::mark(report, &mut diagram, |node| node);
+            colour(&mut diagram, deviations.as_ref(), |node| node);
+            (diagram, "as it is solved")
         }
     };
     diagram.missing.retain(|own| own.from < diagram.nodes.len() && own.to < diagram.nodes.len());
@@ -96,8 +94,12 @@ fn picture(report: &PassReport<'_>) -> Option<(Figure, bool)> {
     let what = if what.is_empty() { String::new() } else { format!("; {}", what.join(", ")) };
     let missing: Vec<&str> = diagram.missing.iter().map(|own| own.label.as_str()).collect();
     let missing = if missing.is_empty() { String::new() } else { format!(" Marked: {}.", missing.join("; ")) };
-    let figure = Figure {
-        id: "network".into(),
+    diagram.is_small = is_small;
+    let has_deviations = diagram.deviations.iter().any(Option::is_some);
+    let state = deviations.filter(|_| has_deviations).map(|own| own.state);
+    let what = state.map_or(what.clone(), |state| format!("{what}; numbers and colours: largest deviation{state}, K"));
+    Some(Figure {
+        id: format!("{}network", prefix(is_small)),
         drawing: network(&diagram),
         caption: format!("The network {of}{what}. Positions carry no meaning.").into(),
         alternative: format!(
@@ -105,8 +107,21 @@ fn picture(report: &PassReport<'_>) -> Option<(Figure, bool)> {
             counted(diagram.nodes.len(), "box"),
             counted(diagram.paths.len(), "path")
         ),
-    };
-    Some((figure, is_marked))
+    })
+}
+
+/// Gives boxes the deviations at their nodes, the largest of each; `place` says which box stands for a node.
+fn colour(diagram: &mut Diagram, deviations: Option<&AtNodes>, place: impl Fn(usize) -> usize) {
+    let Some(AtNodes { largest, full_scale, .. }) = deviations else { return };
+    diagram.full_scale = *full_scale;
+    diagram.deviations = vec![None; diagram.nodes.len()];
+    for (node, deviation) in largest.iter().enumerate().filter_map(|(node, own)| Some((node, (*own)?))) {
+        if let Some(own) =
+            diagram.deviations.get_mut(place(node)).filter(|own| own.is_none_or(|own| deviation.abs() > own.abs()))
+        {
+            *own = Some(deviation);
+        }
+    }
 }
 
 fn diagram(model: &Model) -> Diagram {

@@ -11,13 +11,13 @@ use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palett
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
 
-use super::Entry;
 use super::problem::limits;
 use super::propagation::{
     along, cumulative, curve, environments, failures, histogram, joint, nominal_cases, probability_text, quantile,
     standing,
 };
 use super::validation::{Rests, claim_cell, objection};
+use super::{Entry, prefix};
 
 /// The section, and its kind's results in brief.
 pub(super) const SECTION: Entry = Entry::of_kind(build, &brief::Prediction);
@@ -38,10 +38,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
             let claims = nominal_cases(&output.posterior).flat_map(|case| &case.requirements);
             blocks.extend(objection(report, Rests::OnTuned, claims).map(|text| Block::callout(Tone::Warning, text)));
             blocks.extend(reached(output));
-            // The first picture stands in the summary where that has no better one.
-            let shown = super::summary::main_picture(report).map(|figure| figure.id);
-            let figures = figures(output, name).into_iter().filter(|figure| shown.as_ref() != Some(&figure.id));
-            blocks.extend(figures.map(Block::Figure));
+            blocks.extend(figures(output, name, false).into_iter().map(Block::Figure));
             blocks.extend(sweep(output));
         }
         blocks.extend(along::block(&output.posterior, name));
@@ -49,7 +46,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         let mut folded = Vec::new();
         for case in nominal_cases(&output.posterior) {
             for q in &case.quantities {
-                folded.extend([histogram(case, q, name), cumulative(case, q, name)].map(Block::Figure));
+                folded.extend([histogram(case, q, name, false), cumulative(case, q, name)].map(Block::Figure));
             }
             folded
                 .extend(case.joint.iter().map(|quantity_pair| Block::Figure(joint(report, case, quantity_pair, name))));
@@ -272,7 +269,7 @@ fn reached(output: &Output) -> Option<Block> {
 }
 
 /// Probability against the design variable, with the posterior and with the priors, an environment a figure.
-pub(super) fn figures(output: &Output, job: &str) -> Vec<Figure> {
+pub(super) fn figures(output: &Output, job: &str, is_small: bool) -> Vec<Figure> {
     let Some(design) = &output.posterior.design_variable else { return Vec::new() };
     let shown = Shown::written(&output.posterior.design_unit);
     let mut figures = Vec::new();
@@ -281,7 +278,8 @@ pub(super) fn figures(output: &Output, job: &str) -> Vec<Figure> {
         let Some(case) = output.posterior.cases.iter().find(swept) else { continue };
         let mut chart = Chart {
             x: Axis::new(shown.title(design)),
-            y: Axis::over("probability that the requirement is met", 0.0, 1.0),
+            y: Axis::of_probability(if is_small { "P(met)" } else { "probability that the requirement is met" }),
+            is_small,
             ..Chart::default()
         };
         let requirements = case.requirements.iter().filter(|met| met.requirement != ALL);
@@ -319,7 +317,7 @@ pub(super) fn figures(output: &Output, job: &str) -> Vec<Figure> {
             if output.validated.is_some() { " and the discrepancy" } else { "" }
         );
         figures.push(Figure {
-            id: format!("{job}-prediction-{environment}"),
+            id: format!("{}{job}-prediction-{environment}", prefix(is_small)),
             drawing: chart.draw(),
             alternative: caption.clone(),
             caption: caption.into(),

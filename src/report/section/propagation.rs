@@ -11,9 +11,9 @@ use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palett
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
 
-use super::Entry;
 use super::problem::limits;
 use super::validation::{Rests, claim_cell, objection};
+use super::{Entry, prefix};
 
 /// Figures of distributions that stand open; the others are folded away.
 const OPEN_FIGURES: usize = 2;
@@ -36,21 +36,21 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(requirements(report, output));
         let claims = nominal_cases(output).flat_map(|case| &case.requirements);
         blocks.extend(objection(report, Rests::OnDelivered, claims).map(|text| Block::callout(Tone::Warning, text)));
-        let shown_before = super::summary::main_picture(report).map(|f| f.id);
-        let is_new = |figure: &Figure| shown_before.as_ref() != Some(&figure.id);
-        blocks.extend(probability_figures(output, name).into_iter().filter(is_new).map(Block::Figure));
+        blocks.extend(probability_figures(output, name, false).into_iter().map(Block::Figure));
         blocks.extend(sweep_table(output));
         blocks.extend(along::block(output, name));
         blocks.push(distributions(output));
         blocks.extend(main_effects(output));
         let mut figures = Vec::new();
         for case in nominal_cases(output) {
-            figures.extend(case.quantities.iter().flat_map(|q| [histogram(case, q, name), cumulative(case, q, name)]));
+            figures.extend(
+                case.quantities.iter().flat_map(|q| [histogram(case, q, name, false), cumulative(case, q, name)]),
+            );
         }
         for case in nominal_cases(output) {
             figures.extend(case.joint.iter().map(|j| joint(report, case, j, name)));
         }
-        let mut figures: Vec<Block> = figures.into_iter().filter(is_new).map(Block::Figure).collect();
+        let mut figures: Vec<Block> = figures.into_iter().map(Block::Figure).collect();
         let folded = figures.split_off(figures.len().min(OPEN_FIGURES));
         blocks.extend(figures);
         if !folded.is_empty() {
@@ -210,7 +210,7 @@ pub(super) fn curve(output: &Output, environment: &str, requirement: &str) -> Ve
 }
 
 /// Probability against the design variable, an environment a figure.
-pub(super) fn probability_figures(output: &Output, job: &str) -> Vec<Figure> {
+pub(super) fn probability_figures(output: &Output, job: &str, is_small: bool) -> Vec<Figure> {
     let Some(design) = &output.design_variable else { return Vec::new() };
     let shown = Shown::written(&output.design_unit);
     let mut figures = Vec::new();
@@ -220,7 +220,8 @@ pub(super) fn probability_figures(output: &Output, job: &str) -> Vec<Figure> {
         };
         let mut chart = Chart {
             x: Axis::new(shown.title(design)),
-            y: Axis::over("probability that the requirement is met", 0.0, 1.0),
+            y: Axis::of_probability(if is_small { "P(met)" } else { "probability that the requirement is met" }),
+            is_small,
             ..Chart::default()
         };
         let mut words = Vec::new();
@@ -262,7 +263,7 @@ pub(super) fn probability_figures(output: &Output, job: &str) -> Vec<Figure> {
             "Probability of meeting the requirement against {design}, environment {environment}; the band is the 95 % interval from sampling.{reached}"
         );
         figures.push(Figure {
-            id: format!("{job}-probability-{environment}"),
+            id: format!("{}{job}-probability-{environment}", prefix(is_small)),
             drawing: chart.draw(),
             alternative: caption.clone(),
             caption: caption.into(),
@@ -378,7 +379,7 @@ fn markers(case: &Case, q: &Distributed, shown: &Shown) -> Vec<Limit> {
     out
 }
 
-pub(super) fn histogram(case: &Case, q: &Distributed, job: &str) -> Figure {
+pub(super) fn histogram(case: &Case, q: &Distributed, job: &str, is_small: bool) -> Figure {
     let shown = Shown::quantity(&q.unit, q.is_temperature);
     let total: u64 = q.histogram_counts.iter().sum();
     let chart = Chart {
@@ -391,7 +392,8 @@ pub(super) fn histogram(case: &Case, q: &Distributed, job: &str) -> Figure {
             label: String::new(),
         }],
         limits: markers(case, q, &shown),
-        height: 760,
+        height: if is_small { 0 } else { 760 },
+        is_small,
         ..Chart::default()
     };
     let caption = format!(
@@ -404,7 +406,7 @@ pub(super) fn histogram(case: &Case, q: &Distributed, job: &str) -> Figure {
         shown.text(quantile(q, 0.99)),
     );
     Figure {
-        id: format!("{job}-{}-{}-histogram", case.environment, q.name),
+        id: format!("{}{job}-{}-{}-histogram", prefix(is_small), case.environment, q.name),
         drawing: chart.draw(),
         alternative: format!("Histogram. {caption}"),
         caption: caption.into(),

@@ -28,13 +28,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         for (position, &pair) in all.iter().enumerate() {
             let what = if pair.1 == ALL { "all requirements together" } else { pair.1 };
             let title = format!("{what} in environment {}", pair.0);
-            let mut own = Vec::new();
-            // The first picture stands in the summary where that has no better one.
-            let figure = figure(report, name, output, pair);
-            if super::summary::main_picture(report).is_none_or(|shown| shown.id != figure.id) {
-                own.push(Block::Figure(figure));
-            }
-            own.push(sizes(report, output, pair));
+            let own = vec![Block::Figure(figure(report, name, output, pair)), sizes(report, output, pair)];
             // Of many the first is read, the others are looked up.
             if position > 0 && all.len() > MOST_OPEN {
                 blocks.push(Block::Details(title, own));
@@ -144,7 +138,7 @@ fn probability_at(
 }
 
 /// Bars of all sizes for a pair.
-pub(super) fn figure(report: &PassReport<'_>, job: &str, output: &Output, pair: (&str, &str)) -> Figure {
+fn figure(report: &PassReport<'_>, job: &str, output: &Output, pair: (&str, &str)) -> Figure {
     let shown = Shown::written(&output.design_unit);
     let mut bars = Vec::new();
     if let Some(reached) = probabilistic(report, &output.design_variable, pair) {

@@ -10,7 +10,7 @@ use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate}
 use crate::report::page::{Block, Figure, Section, Statement, Text, Tone};
 use crate::report::view::PassReport;
 
-use super::{Entry, comparison, network, prediction, propagation, sizing, surrogate};
+use super::{Entry, comparison, network, prediction, propagation, surrogate};
 
 /// Statements on the first screen.
 const MOST_STATEMENTS: usize = 6;
@@ -23,11 +23,20 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     let (headline, statements) = in_brief(report);
     let mut blocks: Vec<Block> = headline.map(|text| Block::callout(Tone::Verdict, text)).into_iter().collect();
     blocks.extend(outcome::next_step(report).map(|text| Block::callout(Tone::Next, text)));
-    blocks.extend(ladder::table(report).map(Block::Table));
+    if let Some((table, notes)) = ladder::table(report) {
+        blocks.push(Block::Table(table));
+        blocks.push(Block::Small(notes));
+    }
+    let pictures: Vec<Figure> = network::picture(report, true).into_iter().chain(main_picture(report)).collect();
+    if !pictures.is_empty() {
+        blocks.push(Block::Beside(pictures));
+    }
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
     }
     blocks.extend(claims::objection_to_all(report).map(|text| Block::callout(Tone::Warning, text)));
+    let doubted = report.outputs::<diagnose::Kind>().flat_map(|(_, output)| output.before_the_verdict());
+    blocks.extend(doubted.map(|line| Block::callout(Tone::Warning, line)));
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }
@@ -45,8 +54,6 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
             "No job of this pass has a result yet; the sections below are its definition.",
         ));
     }
-    blocks.extend(network::where_missing(report).map(Block::Figure));
-    blocks.extend(main_picture(report).map(Block::Figure));
     Some(Section { id: "summary", title: "Summary".into(), blocks })
 }
 
@@ -91,32 +98,27 @@ fn statements(report: &PassReport<'_>) -> Vec<Statement> {
     statements
 }
 
-/// The picture of the first screen; the section that it belongs to leaves it out.
-pub(super) fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
+/// The picture of the first screen; in full it stands in the section that it belongs to.
+fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
     if let Some((job, output)) = report.outputs::<compare::Kind>().find(|(_, o)| !o.rows.is_empty()) {
         let shows = comparison::Shows::of(output);
         let worst = comparison::worst_sensor(output);
         let measurement = worst.map_or(output.rows[0].measurement.as_str(), |s| s.measurement.as_str());
         if report.is_steady(measurement, &output.rows) {
-            return Some(comparison::phase_map(report, job, output, measurement, shows));
+            return Some(comparison::phase_map(report, job, output, measurement, shows, true));
         }
         let sensor = worst.map_or(output.rows[0].sensor.as_str(), |s| s.sensor.as_str());
-        return Some(comparison::time_history(report, job, output, measurement, sensor, shows));
-    }
-    if let Some((job, output, pair)) =
-        report.outputs::<conventional::Kind>().find_map(|(job, o)| Some((job, o, *sizing::pairs(o).first()?)))
-    {
-        return Some(sizing::figure(report, job, output, pair));
+        return Some(comparison::time_history(report, job, output, measurement, sensor, shows, true));
     }
     if let Some(figure) = report
         .outputs::<predict::Kind>()
-        .find_map(|(job, prediction)| prediction::figures(prediction, job).into_iter().next())
+        .find_map(|(job, prediction)| prediction::figures(prediction, job, true).into_iter().next())
     {
         return Some(figure);
     }
     let (job, output) = report.outputs::<propagate::Kind>().next()?;
-    propagation::probability_figures(output, job).into_iter().next().or_else(|| {
+    propagation::probability_figures(output, job, true).into_iter().next().or_else(|| {
         let case = propagation::nominal_cases(output).next()?;
-        Some(propagation::histogram(case, case.quantities.first()?, job))
+        Some(propagation::histogram(case, case.quantities.first()?, job, true))
     })
 }

@@ -1,3 +1,4 @@
+mod body;
 mod csv;
 mod html;
 mod ladder;

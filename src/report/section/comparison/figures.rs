@@ -9,6 +9,7 @@ use crate::report::plot::{
 };
 use crate::report::view::PassReport;
 
+use super::super::prefix;
 use super::{MOST_SENSORS, WORST_SENSORS, worst_first};
 
 /// Most histories of single sensors in a comparison; of more, each measurement keeps those of its worst sensors.
@@ -48,9 +49,13 @@ fn keep_worst(output: &Output, measurement: &str, most: usize, names: &mut Vec<(
     names.retain(|(name, _)| sensors.iter().any(|sensor| sensor.sensor == *name));
 }
 
-/// All figures of a comparison but the one that stands in the summary.
+/// The states of the model that a comparison knows, as delivered first.
+fn states(output: &Output) -> impl Iterator<Item = Shows> {
+    [Some(Shows::Delivered), output.tuned.is_some().then_some(Shows::Tuned)].into_iter().flatten()
+}
+
+/// All figures of a comparison: as delivered, and where it was tuned the map after it.
 pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Vec<Block> {
-    let main = super::super::summary::main_picture(report).map(|f| f.id);
     let mut open = Vec::new();
     let mut folded = Vec::new();
     let of_time = |measurement: &&str| !report.is_steady(measurement, &output.rows);
@@ -59,22 +64,21 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
     let most = if histories > MOST_HISTORIES { (MOST_HISTORIES / transients.len()).max(1) } else { histories };
     for measurement in measurements(output) {
         if report.is_steady(measurement, &output.rows) {
-            open.push(phase_map(report, job, output, measurement, Shows::Delivered));
+            open.extend(states(output).map(|shows| phase_map(report, job, output, measurement, shows, false)));
         } else {
             open.push(strips(job, output, measurement));
             let mut names = sensor_names(output, measurement);
             keep_worst(output, measurement, most, &mut names);
-            let history =
-                |(sensor, _): (&str, &str)| time_history(report, job, output, measurement, sensor, Shows::Delivered);
-            folded.extend(names.into_iter().map(history));
+            let history = |sensor: &str, shows| time_history(report, job, output, measurement, sensor, shows, false);
+            let worst = super::worst_sensor(output).filter(|worst| worst.measurement == measurement);
+            let tuned = worst.filter(|_| output.tuned.is_some());
+            open.extend(tuned.map(|worst| history(worst.sensor.as_str(), Shows::Tuned)));
+            folded.extend(names.into_iter().map(|(sensor, _)| history(sensor, Shows::Delivered)));
         }
         folded.extend(residual_histogram(job, output, measurement));
     }
-    let keep = |figures: Vec<Figure>| -> Vec<Block> {
-        figures.into_iter().filter(|f| main.as_ref() != Some(&f.id)).map(Block::Figure).collect()
-    };
-    let mut blocks = keep(open);
-    let folded = keep(folded);
+    let blocks_of = |figures: Vec<Figure>| -> Vec<Block> { figures.into_iter().map(Block::Figure).collect() };
+    let (mut blocks, folded) = (blocks_of(open), blocks_of(folded));
     if !folded.is_empty() {
         let which = if most < histories { "; histories of the worst sensors" } else { "" };
         blocks.push(Block::Details(format!("Further plots ({}{which})", folded.len()), folded));
@@ -97,7 +101,7 @@ impl Shows {
         if output.tuned.is_some() { Self::Tuned } else { Self::Delivered }
     }
 
-    fn predicted(self, row: &Row) -> f64 {
+    pub(super) fn predicted(self, row: &Row) -> f64 {
         match self {
             Self::Delivered => row.predicted,
             Self::Tuned => row.predicted_tuned.unwrap_or(f64::NAN),
@@ -108,7 +112,7 @@ impl Shows {
         if self == Self::Tuned { "-tuned" } else { "" }
     }
 
-    fn words(self, output: &Output) -> &'static str {
+    pub(super) fn words(self, output: &Output) -> &'static str {
         match (self, &output.tuned) {
             (Self::Tuned, _) => " after tuning",
             (Self::Delivered, Some(_)) => " as delivered",
@@ -119,7 +123,7 @@ impl Shows {
 
 /// Magnitude of the full colour, K: the largest deviation that any state of the model leaves, so that maps before and after
 /// tuning can be held against one another.
-fn full_scale(report: &PassReport<'_>) -> f64 {
+pub(super) fn full_scale(report: &PassReport<'_>) -> f64 {
     let rows = report.outputs::<Kind>().flat_map(|(_, output)| &output.rows).filter(|row| row.unit == "K");
     let deviations = rows.flat_map(|row| {
         [Some(row.predicted), row.predicted_tuned]
@@ -130,15 +134,28 @@ fn full_scale(report: &PassReport<'_>) -> f64 {
     deviations.filter(|deviation| deviation.is_finite()).fold(0.0, f64::max)
 }
 
-/// Deviations by phase and sensor.
+/// Most phases and sensors of the map on the first screen.
+const MOST_ON_FIRST_SCREEN: [usize; 2] = [9, 8];
+
+/// Deviations by phase and sensor; on the first screen the largest of them.
 pub(in crate::report::section) fn phase_map(
     report: &PassReport<'_>,
     job: &str,
     output: &Output,
     measurement: &str,
     shows: Shows,
+    is_small: bool,
 ) -> Figure {
-    let sensors = sensor_names(output, measurement);
+    let mut sensors = sensor_names(output, measurement);
+    // Kelvins and other units have no colour in common; the table by sensor has them all.
+    if sensors.iter().any(|sensor| sensor.1 == "K") {
+        sensors.retain(|sensor| sensor.1 == "K");
+    }
+    let all_sensors = sensors.len();
+    let [most_phases, most_sensors] = MOST_ON_FIRST_SCREEN;
+    if is_small && all_sensors > most_sensors {
+        keep_worst(output, measurement, most_sensors, &mut sensors);
+    }
     let rows: Vec<&Row> = output.rows.iter().filter(|r| r.measurement == measurement).collect();
     let mut phases: Vec<(&str, bool)> = Vec::new();
     for row in &rows {
@@ -153,6 +170,17 @@ pub(in crate::report::section) fn phase_map(
             .map(|r| r.measured - shows.predicted(r))
             .filter(|deviation| deviation.is_finite())
     };
+    let all_phases = phases.len();
+    if is_small && all_phases > most_phases {
+        let worst_of = |phase: &str| {
+            let deviations = sensors.iter().filter_map(|s| value(phase, s.0));
+            deviations.map(f64::abs).fold(0.0, f64::max)
+        };
+        let mut ranked: Vec<(f64, &str)> = phases.iter().map(|&(phase, _)| (worst_of(phase), phase)).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ranked.truncate(most_phases);
+        phases.retain(|(phase, _)| ranked.iter().any(|(_, kept)| kept == phase));
+    }
     let units: Vec<&str> = sensors.iter().map(|s| s.1).collect();
     let unit = if units.iter().all(|u| *u == "K") { "K" } else { "SI" };
     let map = HeatMap {
@@ -163,17 +191,29 @@ pub(in crate::report::section) fn phase_map(
             .collect(),
         full_scale: if unit == "K" { full_scale(report) } else { 0.0 },
         limit: output.criteria.each_k.filter(|_| unit == "K"),
-        legend: format!("measured \u{2212} predicted [{unit}]: blue = model too high, orange = model too low"),
-        mark_label: "held out from every fit".into(),
+        legend: if is_small {
+            format!("meas. \u{2212} pred. [{unit}]: blue = model too high, orange = too low")
+        } else {
+            format!("measured \u{2212} predicted [{unit}]: blue = model too high, orange = model too low")
+        },
+        mark_label: if is_small { "held out" } else { "held out from every fit" }.into(),
         decimals: super::decimals(unit),
         is_unsigned: false,
+        is_small,
     };
+    let of = |kept: usize, all: usize, what: &str| (kept < all).then(|| format!("the worst {kept} of {all} {what}"));
+    let cut: Vec<String> = [of(phases.len(), all_phases, "phases"), of(sensors.len(), all_sensors, "sensors")]
+        .into_iter()
+        .flatten()
+        .filter(|_| is_small)
+        .collect();
+    let cut = if cut.is_empty() { ".".to_owned() } else { format!(": {}.", cut.join(", ")) };
     Figure {
-        id: format!("{job}-{measurement}-phases{}", shows.id()),
+        id: format!("{}{job}-{measurement}-phases{}", prefix(is_small), shows.id()),
         drawing: heat_map(&map),
         caption: Text::new(format!("Measured minus predicted{} by phase and sensor, ", shows.words(output)))
             .code(measurement)
-            .plain("."),
+            .plain(cut),
         alternative: format!(
             "Heat map of measured minus predicted{} in {unit} for {} and {} of {measurement}. {}",
             shows.words(output),
@@ -261,6 +301,7 @@ pub(in crate::report::section) fn time_history(
     measurement: &str,
     sensor: &str,
     shows: Shows,
+    is_small: bool,
 ) -> Figure {
     let rows = of_sensor(output, measurement, sensor);
     let unit = rows.first().map_or("", |r| r.unit.as_str());
@@ -271,13 +312,14 @@ pub(in crate::report::section) fn time_history(
     let data = History {
         x_title: title.into(),
         y_title: shown.title(sensor),
-        residual_title: shown.difference().title("meas. \u{2212} pred."),
+        residual_title: shown.difference().title(if is_small { "dev." } else { "meas. \u{2212} pred." }),
         points: rows
             .iter()
             .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, shown.value(r.measured), shown.value(shows.predicted(r))))
             .collect(),
         held_out: shades,
         limit: output.criteria.each_k.filter(|_| unit == "K"),
+        is_small,
     };
     let summary = output.sensors.iter().find(|s| s.measurement == measurement && s.sensor == sensor);
     let rmse = summary.map_or(String::new(), |s| {
@@ -290,7 +332,7 @@ pub(in crate::report::section) fn time_history(
         text + "."
     });
     Figure {
-        id: format!("{job}-{measurement}-{sensor}-history{}", shows.id()),
+        id: format!("{}{job}-{measurement}-{sensor}-history{}", prefix(is_small), shows.id()),
         drawing: history(&data),
         caption: Text::new(format!("Measured and predicted{} over time, sensor ", shows.words(output)))
             .code(sensor)

@@ -96,6 +96,7 @@ fn heat(job: &str, output: &Output) -> Option<Figure> {
         mark_label: String::new(),
         decimals: 2,
         is_unsigned: false,
+        is_small: false,
     };
     Some(Figure {
         id: slug(&format!("{job} missing heat")),

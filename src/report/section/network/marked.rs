@@ -19,8 +19,8 @@ fn path_of(effect: &str) -> Path {
     if effect.contains("radiat") { Path::Radiation } else { Path::Conductor }
 }
 
-/// Marks a diagram; `place` says which box of it stands for a node. Gives whether anything was marked.
-pub(super) fn mark(report: &PassReport<'_>, diagram: &mut Diagram, place: impl Fn(usize) -> usize) -> bool {
+/// Marks a diagram; `place` says which box of it stands for a node.
+pub(super) fn mark(report: &PassReport<'_>, diagram: &mut Diagram, place: impl Fn(usize) -> usize) {
     for (name, path, ..) in &mut diagram.paths {
         if let Some(effect) = adopted(report, name) {
             diagram.adopted.push(name.clone());
@@ -34,7 +34,6 @@ pub(super) fn mark(report: &PassReport<'_>, diagram: &mut Diagram, place: impl F
         let selected = output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id));
         diagram.missing = selected.filter_map(|effect| missing(report, effect, &place)).collect();
     }
-    !diagram.adopted.is_empty() || !diagram.missing.is_empty()
 }
 
 /// A missing effect between two nodes or at one; others, as of a sensor or a parameter, have no place in a network.

@@ -23,8 +23,8 @@ pub struct Rung {
     pub unseen: Option<f64>,
 }
 
-/// The ladder; none where nothing was measured.
-pub(super) fn table(report: &PassReport<'_>) -> Option<Table> {
+/// The ladder and what must be said to it; none where nothing was measured.
+pub(super) fn table(report: &PassReport<'_>) -> Option<(Table, Text)> {
     let mut outputs = report.outputs::<compare::Kind>().filter(|(_, output)| !output.rows.is_empty()).peekable();
     let unit = unit(outputs.peek()?.1).to_owned();
     let has_several = report.outputs::<compare::Kind>().count() > 1;
@@ -126,7 +126,7 @@ fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<
     let ids: Vec<&str> = output.selected.iter().map(String::as_str).collect();
     let is_selected = |set: &[String]| set.len() == ids.len() && set.iter().all(|id| output.selected.contains(id));
     if let Some(model) = output.models.iter().find(|model| !ids.is_empty() && is_selected(&model.effects)) {
-        let state = with(Text::new("Tuned with the proposed "), &ids);
+        let state = with(Text::new("Tuned with proposed "), &ids);
         let own = rung(state, model.rmse_k.train, model.rmse_k.held_out);
         // Step by step, rows that no fit saw judge each effect: for what came about so they are not held out any more.
         let is_chosen_by_them = !output.steps.is_empty();
@@ -138,8 +138,8 @@ fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<
     rungs
 }
 
-/// The rungs as a table; a column of which no rung knows anything is left out.
-pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
+/// The rungs as a table, and what must be said to it; a column of which no rung knows anything is left out.
+pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> (Table, Text) {
     let digits = if unit == "K" { 2 } else { 4 };
     let number = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| fixed(value, digits));
     let has = |known: fn(&Standing) -> bool| rungs.iter().any(|rung| known(&rung.standing));
@@ -199,19 +199,35 @@ pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> Table {
     let noise = noise.map_or_else(String::new, |[low, high]| {
         let range =
             if low == high { shown.text(low) } else { format!("{} to {}", shown.number(low), shown.text(high)) };
-        format!(" The sensors' noise is {range}.")
+        format!("; the sensors' noise is {range}")
     });
-    let not_held = match (has_held_out, has_unseen) {
-        (false, false) => " No reading is held out.",
-        (_, true) => {
-            " Unseen: rows that no fit saw, but by which the diagnosis chose the effects, so that they judge its choice too well; \
-             held out: rows that had no part in either. Only the diagnosis chooses by such rows; other states have no such error."
-        }
-        (true, false) => "",
-    };
     let caption = format!(
-        "The states of the model, on the same readings: error (root mean square of measured minus predicted), criteria kept, and the \
-         worst sensor.{noise}{not_held}"
+        "States of the model on the same readings. Error: root mean square of measured minus predicted{noise}."
     );
-    Table { caption: caption.into(), columns, rows }
+    (Table { caption: caption.into(), columns, rows }, notes(rungs, has_held_out, has_unseen).into())
+}
+
+/// What readings the errors are of, and why some places are empty.
+fn notes(rungs: &[Rung], has_held_out: bool, has_unseen: bool) -> String {
+    let readings = match (has_held_out, has_unseen) {
+        (false, false) => "No reading is held out: every error is of readings that tuning may use.",
+        (_, true) => {
+            "Unseen: readings that no fit saw, but by which the diagnosis chose the effects, so that they judge its choice too \
+             well; held out: readings that had no part in either. Only the diagnosis chooses by such readings; other states \
+             have no such error."
+        }
+        (true, false) => {
+            "Held out: used by no fit and no choice of effects in this pass; there are none between (unseen)."
+        }
+    };
+    let judged = |of: fn(&Standing) -> bool| {
+        rungs.iter().any(|rung| of(&rung.standing)) && rungs.iter().any(|rung| !of(&rung.standing))
+    };
+    let is_undecided = judged(|standing| standing.kept.is_some()) || judged(|standing| standing.worst.is_some());
+    let undecided = if is_undecided {
+        format!(" {NONE}: known once the effect is adopted and the pass is run.")
+    } else {
+        String::new()
+    };
+    format!("{readings}{undecided}")
 }

@@ -3,7 +3,7 @@
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Output as Diagnosis};
 use crate::document::p_stated;
-use crate::job::{calibrate, compare, diagnose, goal, predict, propagate};
+use crate::job::{calibrate, compare, diagnose, goal, predict, propagate, test_plan};
 use crate::report::ladder;
 use crate::report::number::{self, Shown, signed, significant, with_error, with_unit};
 use crate::report::page::{Statement, Status, Text};
@@ -157,7 +157,7 @@ fn of_requirement(report: &PassReport<'_>) -> Option<Text> {
         format!("{} {}", met.quantity, limits(&report.quantity_shown(&met.quantity, &met.unit), met.above, met.below))
     };
     let text = Text::new(format!(
-        "Requirement: {what}, {}: P {}, required {}, ",
+        "Requirement: {what}, {}: P\u{A0}{}, required {}, ",
         case.environment,
         equals(&probability_stated(&met.probability)),
         number::probability(met.required)
@@ -181,7 +181,8 @@ fn of_requirement(report: &PassReport<'_>) -> Option<Text> {
 
 /// A probability behind its letter; one that is a bound has its own sign.
 fn equals(stated: &str) -> String {
-    if stated.starts_with(['\u{2264}', '\u{2265}']) { stated.to_owned() } else { format!("= {stated}") }
+    let text = if stated.starts_with(['\u{2264}', '\u{2265}']) { stated.to_owned() } else { format!("= {stated}") };
+    text.replace(' ', "\u{A0}")
 }
 
 /// Whether a comparison or the calibration behind it leaves something to be explained.
@@ -198,8 +199,11 @@ fn leaves_something(report: &PassReport<'_>) -> bool {
     report.outputs::<compare::Kind>().any(lacks) || report.outputs::<calibrate::Kind>().any(presses)
 }
 
-/// The next step, as a command.
+/// The next step, as a command; none where the pass has no result yet.
 pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
+    if report.results.is_empty() {
+        return None;
+    }
     let path = format!("{}/{}", report.study, report.pass_file);
     let command = |verb: &str| format!("bmv {verb} {path}");
     if let Some((name, output)) = report.outputs::<diagnose::Kind>().next() {
@@ -227,7 +231,47 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
         let text = Text::default().code(format!("{} {name}", command("show")));
         return Some(text.plain(" says how well each parameter must be known, and what to do for it."));
     }
-    None
+    if let Some((name, _)) = report.outputs::<test_plan::Kind>().next() {
+        let text =
+            Text::new("Test as planned (").code(format!("{} {name}", command("show"))).plain("), then bring the log: ");
+        return Some(text.code(format!("bmv import csv LOG... --into {}", report.study)).plain("."));
+    }
+    Some(last_step(report))
+}
+
+/// What is left where no job says what to do: the design that meets the requirement, or the archive.
+fn last_step(report: &PassReport<'_>) -> Text {
+    let predicted = report.outputs::<predict::Kind>().map(|(_, output)| &output.posterior);
+    let output = predicted.chain(report.outputs::<propagate::Kind>().map(|(_, output)| output)).next();
+    let is_missed = |output: &propagate::Output, reached: &propagate::Reached| {
+        let mut met = nominal_cases(output)
+            .filter(|case| case.environment == reached.environment)
+            .flat_map(|case| case.requirements.iter().filter(|met| met.requirement == reached.requirement));
+        met.any(|met| standing(met) != Status::Ok)
+    };
+    let size = output.and_then(|output| {
+        let name = output.design_variable.as_ref()?;
+        let missed = output.reached.iter().filter(|reached| is_missed(output, reached));
+        let sizes: Vec<f64> = missed.map(|reached| reached.design_value).collect::<Option<_>>()?;
+        let [first, ..] = sizes.as_slice() else { return None };
+        // The sizes of several requirements: only where they agree is there one to set.
+        let is_one = sizes.iter().all(|size| size == first);
+        is_one.then(|| (name, Shown::written(&output.design_unit).text(*first)))
+    });
+    let study = &report.study;
+    match size {
+        Some((name, size)) => Text::new("In the next pass set ")
+            .code(name)
+            .plain(format!(" to {size}; then "))
+            .code(format!("bmv run {study}"))
+            .plain("."),
+        None => {
+            let pass = report.pass_file.trim_end_matches(".json");
+            Text::default()
+                .code(format!("bmv verify reports/{study}/{pass}"))
+                .plain(" recomputes every hash before the report is signed.")
+        }
+    }
 }
 
 /// What a calibration measured: the parameter of which it taught the most.

@@ -41,6 +41,12 @@ fn what_is_not_understood_is_said_at_its_place() {
     assert!(time.contains("log.csv:2:1") && time.contains("is no time"), "{time}");
     let map = said("time;T1 [K]\n0;300\n1;301\n", Some("channel,name\nT2,box\n"));
     assert!(map.contains("map.csv:2:1") && map.contains("no file has a channel `T2`"), "{map}");
+    assert!(map.contains("one of `T1`"), "{map}");
+    let files = [("log.csv".to_owned(), "time;T1 [K]\n0;300\n1;301\n".to_owned())];
+    let whole = Some(("map.csv".to_owned(), "channel,name\nT1 [K],box\n".to_owned()));
+    let record =
+        read(&files, &Settings { time: None, channels: whole }).expect("a heading with its unit names the channel");
+    assert_eq!(record.channels[0].name, "box");
 }
 
 #[test]

@@ -13,11 +13,11 @@ fn rows_that_chose_the_effects_have_a_column_of_their_own() {
     let texts = |table: &Table, row: usize| -> Vec<String> {
         table.rows[row].iter().map(|cell| cell.text.in_plain_words()).collect()
     };
-    let table = laid_out(&[delivered, proposed], "K", None);
+    let (table, notes) = laid_out(&[delivered, proposed], "K", None);
     assert_eq!(table.columns[2].title, "Error, unseen");
     assert_eq!(texts(&table, 0)[1..4], ["0.50", NONE, "2.00"]);
     assert_eq!(texts(&table, 1)[1..4], ["0.50", "0.25", NONE]);
-    assert!(table.caption.in_plain_words().contains("rows that no fit saw"));
-    let plain = laid_out(&[Rung { standing: standing(None), ..Rung::default() }], "K", None);
+    assert!(notes.in_plain_words().contains("readings that no fit saw"));
+    let (plain, _) = laid_out(&[Rung { standing: standing(None), ..Rung::default() }], "K", None);
     assert!(plain.columns.iter().all(|column| column.title != "Error, unseen"));
 }
