@@ -400,9 +400,9 @@ pub struct Output {
     pub probability_unexplained: f64,
     /// The misfit of the tuned model.
     pub misfit: Misfit,
-    /// Effects, most probable first.
+    /// Effects: the selected ones in their order, then by probability.
     pub effects: Vec<EffectResult>,
-    /// Sets, most probable first.
+    /// Sets by probability; nothing and those that lead to the selected set are always among them.
     pub models: Vec<ModelResult>,
     /// The set that would be adopted; in the order of `steps` where there are any.
     pub selected: Vec<String>,

@@ -127,6 +127,14 @@ pub fn serves_as_well([without, with, with_other]: [f64; 3], errors: [Option<f64
         && !matches!(errors, [Some(other), Some(own)] if own > other)
 }
 
+/// Whether a set that adds an effect to another is more probable, and the unseen rows do not speak against it. After the first step the
+/// error there has to fall: what a further effect gains may be errors of the model.
+fn pays(state: &State, logs: &[f64], at: usize, place: usize) -> bool {
+    let own = &state.refits[at];
+    let errors = unseen(own, &state.refits[place]);
+    logs[place] > logs[at] && if own.effects.is_empty() { !rises(errors) } else { falls(errors) }
+}
+
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further
@@ -165,7 +173,8 @@ impl Diagnosis {
         let is_curve = |one: &Addition| self.is_unknown_function(one.effect);
         let is_contradicted = |step: &Step| {
             let Some(own) = step.additions.iter().find(|one| step.chosen == Some(one.place)) else { return false };
-            let rivals = step.additions.iter().filter(|one| is_curve(own) || !is_curve(one));
+            let fails = |one: &&Addition| !pays(state, logs, step.before, one.place);
+            let rivals = step.additions.iter().filter(|one| is_curve(own) || !is_curve(one)).filter(fails);
             own.probability * RIVALS_WITHIN < rivals.map(|one| one.probability).fold(0.0, f64::max)
         };
         if let Some(number) = story.steps.iter().position(is_contradicted) {
@@ -225,17 +234,11 @@ impl Diagnosis {
 
     /// What may be added to a set.
     fn step(&self, state: &State, logs: &[f64], at: usize) -> Step {
-        let own = &state.refits[at];
         let next: Vec<(usize, usize)> = (0..logs.len())
             .filter_map(|place| Some((added(state, at, place)?, place)))
             .filter(|one| logs[one.1].is_finite())
             .collect();
-        // After the first step the error on unseen rows has to fall: what a further effect gains may be errors of the model.
-        let is_first = own.effects.is_empty();
-        let pays = |place: usize| {
-            let errors = unseen(own, &state.refits[place]);
-            logs[place] > logs[at] && if is_first { !rises(errors) } else { falls(errors) }
-        };
+        let pays = |place: usize| pays(state, logs, at, place);
         let most_probable = |wanted: &dyn Fn(usize) -> bool| {
             let laws = next.iter().filter(|one| !self.is_unknown_function(one.0) && pays(one.1) && wanted(one.1));
             laws.map(|one| one.1).reduce(|a, b| if logs[b] > logs[a] { b } else { a })

@@ -82,7 +82,7 @@ impl Findings<'_> {
 }
 
 impl Diagnosis {
-    /// All fitted effects, most probable first.
+    /// The selected effects in their order, then all others that were fitted by probability.
     pub(super) fn effects(&self, findings: &Findings<'_>) -> Vec<EffectResult> {
         let state = findings.state;
         let mut seen: Vec<usize> = state.refits.iter().flat_map(|refit| refit.effects.iter().copied()).collect();

@@ -125,12 +125,19 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
                     format!("Probability that it is one of the rivals; of this set {set_probability}.{factor} {wrong}"),
                 )
             } else {
-                (chance(model.probability), format!("Probability of this set.{factor} {wrong}"))
+                let probability = probability_of_set(model.probability, selected);
+                (chance(probability), format!("Probability of this set.{factor} {wrong}"))
             }
         }
     };
     let label = format!("How sure: {}", output.verdict.word());
     Statement { label, value, text: text.into(), status: None }
+}
+
+/// Probability of a set among the sets that were fitted, less what errors of the model itself may explain: none of its effects is
+/// less probable.
+pub(super) fn probability_of_set(among_sets: f64, effects: &[&EffectResult]) -> f64 {
+    effects.iter().map(|effect| effect.probability).fold(among_sets, f64::min)
 }
 
 /// Probability of the sets that have an effect of every group.

@@ -10,6 +10,7 @@ use crate::report::page::{Statement, Status, Text};
 use crate::report::section::diagnosis::{amount, chance};
 use crate::report::section::problem::limits;
 use crate::report::section::propagation::{nominal_cases, probability_stated, standing};
+use crate::report::section::summary::missing::probability_of_set;
 use crate::report::section::validation::{Rests, claim};
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
@@ -76,7 +77,9 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
             });
             text = match (verdict, model) {
                 (Verdict::Ambiguous, _) => text.plain("; rivals explain the data as well."),
-                (_, Some(model)) => text.plain(format!("; probability {}.", chance(model.probability))),
+                (_, Some(model)) => {
+                    text.plain(format!("; probability {}.", chance(probability_of_set(model.probability, &selected))))
+                }
                 (_, None) => text.plain("."),
             };
             let errors = model.map(|model| (output.misfit.rmse_k, model.rmse_k));
