@@ -170,7 +170,11 @@ fn effects(output: &Output) -> Option<Block> {
         Verdict::Adequate => Text::new("The effects that come nearest to what the noise leaves; none is needed."),
         Verdict::Unexplained => Text::new("The effects that come nearest; none of them explains the misfit."),
         _ => {
-            let order = if output.steps.is_empty() { "the selected ones first, then by probability" } else { "the steps first" };
+            let order = if output.steps.is_empty() {
+                "the selected ones first, then by probability"
+            } else {
+                "the steps first"
+            };
             let mut text = Text::new(format!("Effects that would explain the misfit, {order}; selected: "));
             for (position, id) in output.selected.iter().enumerate() {
                 text = text.plain(if position == 0 { "" } else { ", " }).code(id);

@@ -2,10 +2,13 @@
 //!
 //! `refit`: the fit of a set and its evidence (`evidence`: of linear models in closed form). `threshold_gaps`: where thresholds
 //! are tried. `other_noise`: what the evidence is with another noise. `exchange`: exchanged channels. `held_out`: what the held-out rows say.
+//! `effect_heat_flow`: the heat that fitted effects carry. `size`: which effects are larger than plausible.
 
+pub(crate) mod effect_heat_flow;
 pub mod evidence;
 pub mod exchange;
 pub mod held_out;
 pub mod other_noise;
 pub mod refit;
+pub mod size;
 pub(crate) mod threshold_gaps;

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::fits::other_noise::{self, Direction, directions};
+use crate::diagnosis::fits::size::is_within_model;
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
-use crate::diagnosis::heat::size::is_within_model;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};

@@ -7,9 +7,7 @@
 //! while the evidence rises by more than the logarithm of the number of choices. Then the model is linearised anew with
 //! the heat in it, until it stays: the heat may have let the parameters go far from where they were without it.
 
-pub(crate) mod effect_heat_flow;
 mod relations;
-pub mod size;
 pub mod sources;
 
 use crate::diagnosis::fits::evidence::{Amplitude, Evidence};

@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use crate::diagnosis::engine::Diagnosis;
+use crate::diagnosis::fits::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::fits::refit::Begin;
-use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::odds::prior_odds::{CURVE_COST, PriorOdds};
 use crate::diagnosis::output::{EffectFile, EffectResult};
 use crate::diagnosis::verdict::findings::Findings;

@@ -1,8 +1,8 @@
 //! What is written out of the fits: effects, sets, errors and noise.
 
 use crate::diagnosis::engine::{Diagnosis, SensorNoise, State};
+use crate::diagnosis::fits::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::fits::refit::{Amplitude, Begin};
-use crate::diagnosis::heat::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::hypothesis::InferredStart;
 use crate::diagnosis::odds::narrow_prior::{SEPARATE, TITLE};
 use crate::diagnosis::odds::posterior_odds::{LEAST_RIVAL, MOST_RIVALS};

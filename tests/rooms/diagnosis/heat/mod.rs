@@ -10,8 +10,6 @@ use bmv::random::StreamKey;
 use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 use std::sync::Arc;
 
-mod size;
-
 /// Where the baseline fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
 /// difference to the baseline fit's evidence the two would differ by what that is wrong by.
 #[test]

@@ -1,7 +1,7 @@
-//! Tests of `core/src/diagnosis/heat/size.rs`.
+//! Tests of `core/src/diagnosis/fits/size.rs`.
 
 use bmv::diagnosis::fits::refit::{Begin, Refit};
-use bmv::diagnosis::heat::size::*;
+use bmv::diagnosis::fits::size::*;
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
 use bmv::expression::Unit;

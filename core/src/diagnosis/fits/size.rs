@@ -4,8 +4,8 @@
 //! well be a hundred times as large: what counts there is the heat that it carries beside the heat that the model moves. A part that stores
 //! far more than the model is a sink by another name, whatever heat it carries.
 
+use crate::diagnosis::fits::effect_heat_flow::largest_heat;
 use crate::diagnosis::fits::refit::Amplitude;
-use crate::diagnosis::heat::effect_heat_flow::largest_heat;
 use crate::diagnosis::{Problem, Refit};
 use crate::expression::{Dimension, Unit};
 use crate::measurement::prediction::{Predictor, RowHeat};
