@@ -134,10 +134,13 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
     Statement { label, value, text: text.into(), status: None }
 }
 
-/// Probability of a set among the sets that were fitted, less what errors of the model itself may explain: none of its effects is
-/// less probable.
+/// Probability of a set: of a single effect its own, whatever else may be missing; else that of the set among those that were fitted, at most
+/// that of its least probable effect.
 pub(super) fn probability_of_set(among_sets: f64, effects: &[&EffectResult]) -> f64 {
-    effects.iter().map(|effect| effect.probability).fold(among_sets, f64::min)
+    match effects {
+        [one] => one.probability,
+        _ => effects.iter().map(|effect| effect.probability).fold(among_sets, f64::min),
+    }
 }
 
 /// Probability of the sets that have an effect of every group.
