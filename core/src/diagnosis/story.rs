@@ -283,7 +283,7 @@ impl Diagnosis {
         };
         let before_others = law.zip(chosen).is_some_and(|(law, chosen)| is_of_group(chosen) && !is_of_group(law));
         // What the fitted rows want far more fails on the unseen ones: the effect would follow errors of the model.
-        let is_rival = |one: &&Addition| !(before_others && !is_of_group(one)) && (!is_curve(one) || law.is_none());
+        let is_rival = |one: &&Addition| (!before_others || is_of_group(one)) && (law.is_none() || !is_curve(one));
         let most_wanted = additions.iter().filter(is_rival).map(|one| one.probability).fold(0.0, f64::max);
         let chosen = chosen.filter(|one| one.probability * RIVALS_WITHIN >= most_wanted).cloned();
         let mut stays = exp(logs[at] - total);

@@ -1,7 +1,7 @@
 //! A model that is not a network: something outside, a program or a server, answers with outputs for parameters and inputs.
 //!
 //! To everything that solves it is a network without nodes, whose quantities are expressions over its outputs. It has no
-//! equations to differentiate. Slopes of its outputs are asked for where it has them ([`super::external_slopes`]); elsewhere they
+//! equations to differentiate. Slopes of its outputs are asked for where it has them (`external_slopes.rs`); elsewhere they
 //! are central differences with the steps that the model states, forward or backward ones where one side has no answer.
 
 use std::fmt::Debug;
