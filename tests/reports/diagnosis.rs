@@ -82,7 +82,18 @@ fn the_first_screen_says_what_is_missing_how_surely_and_what_it_does() {
         &summary,
         &["**identified**: **Path** between `baseplate` and `board`: 0.0491 ± 0.0031 W/K", "bmv adopt sample/"],
     );
-    has(&summary, &["How sure: identified", "91.0 %", "0.83 → 0.27 K", "0.71 → 0.26 K", "no rival", "8.0 %"]);
+    has(
+        &summary,
+        &[
+            "How sure: identified",
+            "Probability that it is missing",
+            "99.9 %",
+            "0.83 → 0.27 K",
+            "0.71 → 0.26 K",
+            "no rival",
+            "8.0 %",
+        ],
+    );
     has(&own, &["identified", "99.9 %", "The words of the diagnosis.", "2 more were fitted"]);
     assert!(!own.contains("heat-load:strap") && !own.contains("Verdict: Verdict"), "{own}");
     has(&summary, &["up to 2.0 W into `board`"]);

@@ -126,7 +126,8 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
                 )
             } else {
                 let probability = probability_of_set(model.probability, selected);
-                (chance(probability), format!("Probability of this set.{factor} {wrong}"))
+                let of = if selected.len() == 1 { "Probability that it is missing" } else { "Probability of this set" };
+                (chance(probability), format!("{of}.{factor} {wrong}"))
             }
         }
     };
