@@ -15,8 +15,8 @@ use crate::measurement::{InputColumn, InputTable, Measurement, Rows};
 
 /// Rows of a transient up to which every row is kept.
 const MOST_ROWS: usize = 1000;
-/// Rows that are left of longer ones: the fewest that follow all inputs, or the first where none of these does. An orbit of 100 minutes
-/// in a record of a week wants 2000.
+/// Rows that are left of longer ones: the fewest that follow all inputs, or the first where none of these does. What goes with the orbit
+/// wants six rows a revolution.
 const ROWS_LEFT: [usize; 4] = [500, 1000, 2000, 4000];
 
 /// Distance of an input from its means, as a share of its spread, above which these do not follow it.
