@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::needs::{Assessed, Need, TOGETHER};
 use super::output::{Output, OutputError, Round, Trained};
 use crate::inference::gaussian_process::GaussianProcessError;
-use crate::inference::gaussian_process::emulator::Foretold;
+use crate::inference::gaussian_process::emulator::Predicted;
 use crate::inference::surrogate::choice::choose;
 use crate::inference::surrogate::{Axis, Emulation, Run, Space, Surrogate};
 use crate::job::calibrate;
@@ -168,16 +168,16 @@ impl Train {
             own.anchors = anchors;
         }
         let anchored = Surrogate::new(self.space.clone(), runs, emulations).map_err(|error| Self::failed(&error))?;
-        let left = |foretold: Vec<Foretold>| {
+        let left = |predicted: Vec<Predicted>| {
             let (mut rest, mut all) = (0.0, 0.0);
-            for own in foretold {
+            for own in predicted {
                 let square = own.rest * own.rest;
                 rest += square;
                 all += square + own.parts.iter().map(|part| part * part).sum::<f64>();
             }
             (all > 0.0).then(|| rest / all)
         };
-        Ok(anchored.foretold(&coordinates).into_iter().map(left).collect())
+        Ok(anchored.predicted(&coordinates).into_iter().map(left).collect())
     }
 
     /// What came of it, with what must be known of it.

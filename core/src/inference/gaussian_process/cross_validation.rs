@@ -1,7 +1,7 @@
 //! Scores of a form on values left out, with hyperparameters that did not see them.
 //!
 //! The values are dealt into folds in turn. The hyperparameters are fitted anew without a fold, and each of its values is then
-//! foretold from all other values in closed form: so what is scored took no part in the choice of the hyperparameters, and the
+//! predicted from all other values in closed form: so what is scored took no part in the choice of the hyperparameters, and the
 //! cost is that of a few fits.
 
 use super::fit::{Search, fit};

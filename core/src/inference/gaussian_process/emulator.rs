@@ -25,7 +25,7 @@ const NOTHING: f64 = 1e-12;
 
 /// What is expected at a point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Foretold {
+pub struct Predicted {
     /// Mean.
     pub mean: f64,
     /// By what the error changes with the standard normal number of each anchor.
@@ -36,7 +36,7 @@ pub struct Foretold {
 
 /// Slopes of what is expected by the coordinates of the point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ForetoldSlopes {
+pub struct PredictedSlopes {
     /// Of the mean.
     pub mean: Vec<f64>,
     /// Of the part of each anchor.
@@ -82,11 +82,11 @@ pub fn most_telling(covariance: &[f64], points: usize, count: usize) -> Vec<usiz
                 best = (row, left[row * points + row]);
             }
         }
-        let (taken, variance) = best;
+        let (point, variance) = best;
         if !(variance > LEAST * largest) {
             break;
         }
-        let column: Vec<f64> = (0..points).map(|row| left[row * points + taken]).collect();
+        let column: Vec<f64> = (0..points).map(|row| left[row * points + point]).collect();
         for row in 0..points {
             let share = column[row] / variance;
             left[row * points..(row + 1) * points]
@@ -94,7 +94,7 @@ pub fn most_telling(covariance: &[f64], points: usize, count: usize) -> Vec<usiz
                 .zip(&column)
                 .for_each(|(value, own)| *value -= share * own);
         }
-        chosen.push(taken);
+        chosen.push(point);
     }
     chosen
 }
@@ -163,11 +163,11 @@ impl Emulator {
     }
 
     /// What is expected at points. Cost: a point takes as many operations as half of the square of the values' number.
-    pub fn at(&self, points: &[Vec<f64>]) -> Vec<Foretold> {
+    pub fn at(&self, points: &[Vec<f64>]) -> Vec<Predicted> {
         points.chunks(LANES).flat_map(|points| self.side_by_side(points)).collect()
     }
 
-    fn side_by_side(&self, points: &[Vec<f64>]) -> Vec<Foretold> {
+    fn side_by_side(&self, points: &[Vec<f64>]) -> Vec<Predicted> {
         let (training, named, factored) = (self.process.training(), self.process.named(), &self.process.factored);
         let n = training.len();
         // Lanes without a point stay 0.
@@ -200,7 +200,7 @@ impl Emulator {
         for column in &columns {
             seen.iter_mut().zip(column).for_each(|(slot, value)| *slot += value * value);
         }
-        let foretold = |(lane, point): (usize, &Vec<f64>)| {
+        let predicted = |(lane, point): (usize, &Vec<f64>)| {
             let basis = self.process.form().trend.at(point);
             let mut unseen = basis.clone();
             for (u, own) in unseen.iter_mut().zip(&factored.basis) {
@@ -214,9 +214,9 @@ impl Emulator {
             };
             let parts: Vec<f64> = self.parts.iter().zip(&of_parts).map(of_part).collect();
             let rest = self.rest_square(variance, &parts).sqrt();
-            Foretold { mean: dot(&basis, &factored.beta) + smooth[lane], parts, rest }
+            Predicted { mean: dot(&basis, &factored.beta) + smooth[lane], parts, rest }
         };
-        points.iter().enumerate().map(foretold).collect()
+        points.iter().enumerate().map(predicted).collect()
     }
 
     /// Covariance of the smooth part at two points, and by what a difference of theirs in squared lengths is to be multiplied for
@@ -233,11 +233,11 @@ impl Emulator {
     }
 
     /// Slopes by the coordinates at a point.
-    pub fn slopes(&self, point: &[f64]) -> ForetoldSlopes {
+    pub fn slopes(&self, point: &[f64]) -> PredictedSlopes {
         let (training, named, factored) = (self.process.training(), self.process.named(), &self.process.factored);
         let mut expected = self.side_by_side(std::slice::from_ref(&point.to_vec()));
-        let Foretold { parts, rest, .. } =
-            expected.pop().unwrap_or(Foretold { mean: f64::NAN, parts: Vec::new(), rest: 0.0 });
+        let Predicted { parts, rest, .. } =
+            expected.pop().unwrap_or(Predicted { mean: f64::NAN, parts: Vec::new(), rest: 0.0 });
         let of = |other: &[f64]| self.covariance(point, other).1;
         let near: Vec<f64> = (0..training.len()).map(|i| of(training.point(i))).collect();
         let by_anchor: Vec<f64> = self.anchors.iter().map(|anchor| of(anchor)).collect();
@@ -252,7 +252,7 @@ impl Emulator {
         let functional = self.process.functional(point);
         let (_, mut unseen) = self.process.whitened(point);
         cholesky::solve_lower_transposed(&factored.coefficients, &mut unseen);
-        let mut slopes = ForetoldSlopes { mean: Vec::new(), parts: vec![Vec::new(); parts.len()], rest: Vec::new() };
+        let mut slopes = PredictedSlopes { mean: Vec::new(), parts: vec![Vec::new(); parts.len()], rest: Vec::new() };
         for (axis, &length) in named.lengths.iter().enumerate() {
             slopes.mean.push(trend(&factored.beta, axis) + over(&factored.weights, axis, length));
             let variance = 2.0 * (trend(&unseen, axis) - over(&functional.weights, axis, length));

@@ -4,7 +4,7 @@
 use std::sync::OnceLock;
 
 use super::Surrogate;
-use crate::inference::gaussian_process::emulator::Foretold;
+use crate::inference::gaussian_process::emulator::Predicted;
 use crate::thermal::external::SlopesAt;
 use crate::thermal::{Evaluator, Fault, Point};
 
@@ -44,10 +44,10 @@ impl Answers {
     }
 
     /// The numbers of an output: mean, parts, rest.
-    fn numbers<'f>(&self, foretold: &'f Foretold) -> impl Iterator<Item = f64> + 'f {
-        let missing = self.anchors.saturating_sub(foretold.parts.len());
-        let parts = foretold.parts.iter().copied().chain(std::iter::repeat_n(0.0, missing));
-        std::iter::once(foretold.mean).chain(parts).chain(std::iter::once(foretold.rest))
+    fn numbers<'f>(&self, predicted: &'f Predicted) -> impl Iterator<Item = f64> + 'f {
+        let missing = self.anchors.saturating_sub(predicted.parts.len());
+        let parts = predicted.parts.iter().copied().chain(std::iter::repeat_n(0.0, missing));
+        std::iter::once(predicted.mean).chain(parts).chain(std::iter::once(predicted.rest))
     }
 
     fn slopes_at(&self, surrogate: &Surrogate, asked: &SlopesAt) -> Result<Vec<f64>, Fault> {
@@ -101,10 +101,10 @@ impl Evaluator for Answers {
             Ok(distinct.len() - 1)
         };
         let places: Vec<Result<usize, Fault>> = points.iter().map(place).collect();
-        let foretold = surrogate.foretold(&distinct);
+        let predicted = surrogate.predicted(&distinct);
         let answer = |place: Result<usize, Fault>| {
             let place = place?;
-            let own = foretold.iter().filter_map(|of_output| of_output.get(place));
+            let own = predicted.iter().filter_map(|of_output| of_output.get(place));
             Ok(own.flat_map(|own| self.numbers(own)).collect())
         };
         places.into_iter().map(answer).collect()

@@ -2,7 +2,7 @@
 //!
 //! A trend that is linear in the coordinates, a smooth part (squared exponential or Matern 5/2, whichever has the higher
 //! marginal likelihood) and scatter, which takes the model's own numerical noise. Where runs left out lie further from what
-//! is foretold than its standard deviation says, that deviation is widened by a factor: it is what results carry.
+//! is predicted than its standard deviation says, that deviation is widened by a factor: it is what results carry.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub struct LeftOutError {
     pub rms: f64,
     /// The largest, SI.
     pub worst: f64,
-    /// Root of the mean square of errors in their foretold standard deviations: about 1 where these are right.
+    /// Root of the mean square of errors in their predicted standard deviations: about 1 where these are right.
     pub standardised: f64,
     /// Each error, in the order of the runs, SI.
     pub errors: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Emulation {
     pub spread: f64,
     /// Errors of runs left out.
     pub left_out: LeftOutError,
-    /// Factor on the foretold standard deviation, at least 1.
+    /// Factor on the predicted standard deviation, at least 1.
     pub factor: f64,
     /// Anchors of the error: coordinates of points at which it is a parameter of its own.
     pub anchors: Vec<Vec<f64>>,

@@ -12,7 +12,7 @@ pub mod space;
 use serde::{Deserialize, Serialize};
 
 use super::gaussian_process::GaussianProcessError;
-use super::gaussian_process::emulator::{Emulator, Foretold, ForetoldSlopes, most_telling};
+use super::gaussian_process::emulator::{Emulator, Predicted, PredictedSlopes, most_telling};
 use crate::random::StreamKey;
 use crate::thermal::{Fault, Point};
 pub use answers::Answers;
@@ -56,9 +56,9 @@ enum Emulated {
 }
 
 impl Emulated {
-    fn foretold(&self, coordinates: &[Vec<f64>]) -> Vec<Foretold> {
+    fn predicted(&self, coordinates: &[Vec<f64>]) -> Vec<Predicted> {
         match self {
-            Self::Constant(value) => vec![Foretold { mean: *value, parts: Vec::new(), rest: 0.0 }; coordinates.len()],
+            Self::Constant(value) => vec![Predicted { mean: *value, parts: Vec::new(), rest: 0.0 }; coordinates.len()],
             Self::Process(emulator) => emulator.at(coordinates),
         }
     }
@@ -113,12 +113,12 @@ impl Surrogate {
     }
 
     /// What is expected of each output at points, and what its error is made of: by output, then by point.
-    pub fn foretold(&self, coordinates: &[Vec<f64>]) -> Vec<Vec<Foretold>> {
-        self.outputs.iter().map(|emulated| emulated.foretold(coordinates)).collect()
+    pub fn predicted(&self, coordinates: &[Vec<f64>]) -> Vec<Vec<Predicted>> {
+        self.outputs.iter().map(|emulated| emulated.predicted(coordinates)).collect()
     }
 
     /// Slopes of that at a point, by output; nothing of a constant.
-    pub fn slopes(&self, coordinates: &[f64]) -> Vec<Option<ForetoldSlopes>> {
+    pub fn slopes(&self, coordinates: &[f64]) -> Vec<Option<PredictedSlopes>> {
         let of = |emulated: &Emulated| match emulated {
             Emulated::Constant(_) => None,
             Emulated::Process(emulator) => Some(emulator.slopes(coordinates)),

@@ -104,31 +104,31 @@ fn the_parts_of_an_error_are_its_variance_at_each_point_and_go_together_at_near_
     assert_eq!((anchors[0].len(), anchors[1].len()), (4, 0), "a constant has no error");
     emulations[0].anchors.clone_from(&anchors[0]);
     let surrogate = Surrogate::new(space, &runs, &emulations).expect("made");
-    let foretold = surrogate.foretold(&points);
+    let predicted = surrogate.predicted(&points);
     let covariance = plain.covariance(0, &points);
     let largest = (0..12).map(|k| covariance[k * 12 + k]).fold(0.0, f64::max);
-    for (point, own) in points.iter().zip(&foretold[0]) {
+    for (point, own) in points.iter().zip(&predicted[0]) {
         let expected = plain.at(point)[0];
         // The squares of the parts add up to the variance, but for rounding of the factors.
         let square = own.parts.iter().map(|part| part * part).sum::<f64>() + own.rest * own.rest;
         assert!((own.mean - expected.mean).abs() < 1e-9, "{own:?} {expected:?}");
         assert!((square - expected.sd * expected.sd).abs() < 1e-8 * largest, "{own:?} {expected:?}");
         // As it is alone, to the bit.
-        assert_eq!(surrogate.foretold(std::slice::from_ref(point))[0][0], *own);
-        assert_eq!(surrogate.foretold(std::slice::from_ref(point))[1][0].mean, 5.0);
+        assert_eq!(surrogate.predicted(std::slice::from_ref(point))[0][0], *own);
+        assert_eq!(surrogate.predicted(std::slice::from_ref(point))[1][0].mean, 5.0);
     }
     // Between anchors and any other point the errors have the covariance of the process.
     for anchor in &anchors[0] {
         let i = points.iter().position(|point| point == anchor).expect("one of them");
         for j in 0..12 {
-            let parts = foretold[0][i].parts.iter().zip(&foretold[0][j].parts);
+            let parts = predicted[0][i].parts.iter().zip(&predicted[0][j].parts);
             let together: f64 = parts.map(|(a, b)| a * b).sum();
             assert!((together - covariance[i * 12 + j]).abs() < 1e-8 * largest, "{i} {j} {together}");
         }
     }
     // The greedy choice leaves less than it takes: of twelve points four carry most of the variance.
     let (rest, all): (f64, f64) =
-        (foretold[0].iter().map(|own| own.rest * own.rest).sum(), (0..12).map(|k| covariance[k * 12 + k]).sum());
+        (predicted[0].iter().map(|own| own.rest * own.rest).sum(), (0..12).map(|k| covariance[k * 12 + k]).sum());
     assert!(rest < 0.5 * all, "{rest} {all}");
 }
 
