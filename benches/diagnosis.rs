@@ -139,6 +139,7 @@ fn panel() -> Problem {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        follows_gap: false,
         doubts: vec![],
     };
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));

@@ -46,6 +46,14 @@ fn next(output: &Output, adopt: &str) -> Option<String> {
         return Some(format!("next: {adopt}"));
     }
     let ids: Vec<_> = output.selected.iter().map(|id| shell_word(id)).collect();
+    let settled: Vec<_> = output.settled().iter().map(|effect| shell_word(&effect.id)).collect();
+    if !settled.is_empty() && settled.len() < ids.len() {
+        return Some(format!(
+            "next: {adopt} {}; the rest is left open, and adopted by name with it, as in {adopt} {}",
+            settled.join(" "),
+            ids.join(" ")
+        ));
+    }
     Some(format!("next: these data leave it open; what you choose is adopted by name, as in {adopt} {}", ids.join(" ")))
 }
 

@@ -291,7 +291,7 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
     let found = whole(parts);
     let said = adopt(&study, &found, &[], false).expect_err("refused");
     insta::assert_snapshot!(said, @r"
-    error[adopt-refused]: diagnosis `missing` is ambiguous: these data leave open whether it is `conductive-path:box:detector` (probability 0.501); its rivals: `radiative-path:box:detector` (0.010)
+    error[adopt-refused]: diagnosis `missing` is ambiguous: these data leave open whether it is `conductive-path:box:detector` (probability 0.980); its rivals: `radiative-path:box:detector` (0.010)
      --> command line:1:1
       |
     1 | bmv adopt pass-1.json
@@ -301,12 +301,12 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
     ");
     for (effects, forced) in [(&["conductive-path"][..], false), (&[][..], true)] {
         let next = adopt(&study, &found, effects, forced).expect("adopted");
-        let said = "these data leave open whether it is `conductive-path:box:detector` (probability 0.501); its rivals: `radiative-path:box:detector` (0.010)";
+        let said = "these data leave open whether it is `conductive-path:box:detector` (probability 0.980); its rivals: `radiative-path:box:detector` (0.010)";
         assert_eq!(next.warnings.plain()[0].message, said);
     }
     // What shares no group with it: other sets.
     let mut alone = found.clone();
-    alone.effects.iter_mut().for_each(|effect| effect.group = None);
+    alone.effects.iter_mut().for_each(|effect| (effect.group, effect.probability) = (None, effect.probability.min(0.5)));
     let next = adopt(&study, &alone, &["conductive-path"], false).expect("adopted");
     assert!(
         next.warnings.plain()[0].message.ends_with("its rivals: `heat-load:box` (0.300)"),
@@ -322,6 +322,14 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
         help.starts_with("no steady phase within the stated ranges reliably tells") && help.contains("55.7 %"),
         "{help}"
     );
+    // What all likely sets have is settled, and adopted alone without a word.
+    let both = ["conductive-path:box:detector", "heat-load:box"];
+    let open = vec![harness(Some(1)), other(both[1], "node", Some(2)), other("heat-load:detector", "node", Some(2))];
+    let sets = [json!({"effects": both, "probability": 0.5}), json!({"effects": [both[0], "heat-load:detector"], "probability": 0.48})];
+    let part = output(json!({"verdict": "ambiguous", "effects": open, "selected": both, "models": sets}));
+    assert!(adopt(&study, &part, &["conductive-path"], false).expect("adopted").warnings.is_empty());
+    let said = adopt(&study, &part, &[], false).expect_err("refused");
+    assert!(said.contains("what is settled can be adopted alone: bmv adopt pass-1.json conductive-path:box:detector; to adopt it all the same"), "{said}");
     // What is settled is adopted without a word.
     let settled = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
     assert!(adopt(&study, &settled, &[], false).expect("adopted").warnings.is_empty());

@@ -575,6 +575,7 @@ pub fn transient() -> Sample {
         file: "data/step-test.csv".into(),
         sha256: "cd".repeat(32),
         unused_columns: vec!["Comment".into()],
+        follows_gap: false,
         doubts: vec![],
     };
     compare_sample("Step test of a heater board, pass 1", temperature_model(&["T1", "T2"]), measurement, output)
@@ -661,6 +662,7 @@ pub fn steady() -> Sample {
         file: "data/balance-test.csv".into(),
         sha256: "ef".repeat(32),
         unused_columns: vec![],
+        follows_gap: false,
         doubts: vec![],
     };
     compare_sample("Thermal balance test of a detector head, pass 1", temperature_model(&sensors), measurement, output)

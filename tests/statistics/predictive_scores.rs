@@ -113,6 +113,7 @@ fn check(input_sigma_k: f64) {
         file: "data.csv".into(),
         sha256: String::new(),
         unused_columns: vec![],
+        follows_gap: false,
         doubts: vec![],
     };
     let prior = Distribution::Normal { mean: 10.0, sd: PRIOR_SD_W, lower: None, upper: None };

@@ -165,6 +165,7 @@ fn bench() -> (Model, Vec<Measurement>) {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        follows_gap: false,
         doubts: vec![],
     };
     let phase = |name: &str, power: f64| bmv::measurement::Phase {
@@ -182,6 +183,7 @@ fn bench() -> (Model, Vec<Measurement>) {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        follows_gap: false,
         doubts: vec![],
     };
     (b.model, vec![transient, steady])
@@ -306,6 +308,7 @@ fn input_errors_enter_the_covariance_of_a_phase() {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        follows_gap: false,
         doubts: vec![],
     };
     let errors = [InputError { sigma: Some(0.1), bias: None }, InputError { sigma: Some(0.5), bias: None }];

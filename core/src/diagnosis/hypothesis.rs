@@ -104,14 +104,15 @@ impl Hypothesis {
             parameter.prior = widened(parameter.prior, scale);
         }
         let applied = self.add_as(candidate, effect, &candidate.id, parameters)?;
-        if problem.is_misspecified {
-            let (model, effect) = (&self.model, self.amplitudes.len() - 1);
-            for &(node, _) in &applied.nodes {
-                for (measurement, measured) in self.measurements.iter_mut().enumerate() {
-                    let prior = measured.begin_free(node, model);
-                    let start = prior.map(|prior| InferredStart { effect, measurement, node, prior });
-                    self.starts.extend(start);
-                }
+        let (model, effect) = (&self.model, self.amplitudes.len() - 1);
+        for &(node, _) in &applied.nodes {
+            // At its host's temperature otherwise, as after long quiet; never so in the midst of a record.
+            let is_free = |measured: &Measurement| problem.is_misspecified || measured.follows_gap;
+            let measured = self.measurements.iter_mut().enumerate().filter(|(_, measured)| is_free(measured));
+            for (measurement, measured) in measured {
+                let prior = measured.begin_free(node, model);
+                let start = prior.map(|prior| InferredStart { effect, measurement, node, prior });
+                self.starts.extend(start);
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! What those ask of a diagnosis who act upon it: which effects it supports, how probable they are, what they are confused
 //! with.
 
+use super::odds::posterior_odds::SURE;
 use super::output::{EffectResult, Output, Verdict};
 
 /// Rivals that are less probable than this are not named.
@@ -12,16 +13,24 @@ impl Output {
         self.effects.iter().find(|effect| effect.id == id)
     }
 
-    /// Probability of exactly these effects; `None` where this set was not fitted.
-    pub fn probability_of(&self, effects: &[&str]) -> Option<f64> {
-        let is_set = |own: &[String]| own.len() == effects.len() && own.iter().all(|id| effects.contains(&id.as_str()));
-        self.models.iter().find(|model| is_set(&model.effects)).map(|model| model.probability)
+    /// Probability that all of these effects are missing, whatever else is: of the sets that have them, and at most that of the
+    /// least probable one. `None` where no set has them all.
+    pub fn odds(&self, chosen: &[&EffectResult]) -> Option<f64> {
+        if let [one] = chosen {
+            return Some(one.probability);
+        }
+        let has_all = |own: &[String]| chosen.iter().all(|effect| own.contains(&effect.id));
+        let with: Vec<f64> =
+            self.models.iter().filter(|model| has_all(&model.effects)).map(|model| model.probability).collect();
+        let least = chosen.iter().map(|effect| effect.probability).fold(1.0, f64::min);
+        (!with.is_empty()).then(|| with.iter().sum::<f64>().min(least))
     }
 
-    /// Probability of exactly these effects; that of a single one where its set was not weighed alone.
-    pub fn odds(&self, chosen: &[&EffectResult]) -> Option<f64> {
-        let ids: Vec<&str> = chosen.iter().map(|effect| effect.id.as_str()).collect();
-        self.probability_of(&ids).or(if let [one] = chosen { Some(one.probability) } else { None })
+    /// Selected effects in whose place the data allow no other, and that are as probable as an identified one.
+    pub fn settled(&self) -> Vec<&EffectResult> {
+        let is_alone = |effect: &&EffectResult| self.confused_with(effect).next().is_none();
+        let selected = self.selected.iter().filter_map(|id| self.effect(id));
+        selected.filter(|effect| effect.probability >= SURE).filter(is_alone).collect()
     }
 
     /// What else the data allow in place of these effects, best first, each with its probability: what shares a group with
@@ -35,8 +44,8 @@ impl Output {
             }
         }
         if rivals.is_empty() {
-            let is_same = |effects: &[String]| effects.len() == chosen.len() && effects.iter().all(|id| is_chosen(id));
-            let others = self.models.iter().filter(|model| !model.effects.is_empty() && !is_same(&model.effects));
+            let has_all = |effects: &[String]| chosen.iter().all(|effect| effects.contains(&effect.id));
+            let others = self.models.iter().filter(|model| !model.effects.is_empty() && !has_all(&model.effects));
             let likely = others.filter(|model| model.probability >= LEAST_RIVAL);
             rivals.extend(likely.map(|model| (model.effects.join(" + "), model.probability)));
         }

@@ -257,6 +257,8 @@ pub struct Measurement {
     pub sha256: String,
     /// Columns of the file that nothing uses.
     pub unused_columns: Vec<String>,
+    /// Whether it goes on after a gap in a record: parts that no sensor shows then begin at no known temperature.
+    pub follows_gap: bool,
     /// What is doubtful about the data: inputs without a value, a start beside the first readings, phases that drift.
     /// Results that rest on the data repeat it.
     pub doubts: Vec<Doubt>,
@@ -286,6 +288,9 @@ impl Measurement {
             json!({"name": self.name, "file": self.sha256, "resolved": hash::sha256_hex(text.as_bytes())});
         if !self.doubts.is_empty() {
             identity["doubts"] = json!(self.doubts);
+        }
+        if self.follows_gap {
+            identity["follows_gap"] = json!(true);
         }
         identity
     }

@@ -57,6 +57,7 @@ pub fn measurement(
         file: "data/test.csv".to_owned(),
         sha256: String::new(),
         unused_columns: Vec::new(),
+        follows_gap: false,
         doubts: vec![],
     };
     measurement.readings = vec![Some(0.0); measurement.len() * measurement.sensors.len()];

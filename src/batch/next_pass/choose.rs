@@ -100,7 +100,9 @@ pub fn choose<'f>(
     } else {
         let effects: Vec<&EffectResult> = chosen.into_iter().map(|(finding, _)| finding).collect();
         let mut warnings = Diagnostics::new();
-        if diagnosis.verdict == Verdict::Ambiguous {
+        let settled = diagnosis.settled();
+        let is_open = |effect: &&EffectResult| !settled.iter().any(|one| one.id == effect.id);
+        if diagnosis.verdict == Verdict::Ambiguous && effects.iter().any(|effect| is_open(effect)) {
             let warning = Diagnostic::warning(&code::ADOPT_AMBIGUOUS, &asked.command(), odds(diagnosis, &effects));
             warnings.push(match parting(diagnosis, model) {
                 Some(words) => warning.help(words),
@@ -269,7 +271,12 @@ fn not_settled(diagnosis: &Output, selected: &[&EffectResult], asked: &Asked, jo
     let message = format!("diagnosis `{job}` is ambiguous: {}", odds(diagnosis, selected));
     let ids: Vec<_> = selected.iter().map(|finding| shell_word(&finding.id)).collect();
     let command = asked.command();
-    let mut help = format!("to adopt it all the same, name it: {} {}", command.text(), ids.join(" "));
+    let settled: Vec<_> = diagnosis.settled().iter().map(|finding| shell_word(&finding.id)).collect();
+    let mut help = match settled.is_empty() {
+        true => String::new(),
+        false => format!("what is settled can be adopted alone: {} {}; ", command.text(), settled.join(" ")),
+    };
+    help.push_str(&format!("to adopt it all the same, name it: {} {}", command.text(), ids.join(" ")));
     if let Some(words) = parting(diagnosis, model) {
         help.push_str(&format!("; {words}"));
     }

@@ -37,8 +37,8 @@ pub fn diagnosis(pass: &LoadedPass, executed: &Executed, job: &str) -> Option<Ou
     Output::deserialize(&*finished.stored.value).ok()
 }
 
-/// What the diagnoses of a pass let adopt: the selected set where the verdict settles it, else each supported effect by its
-/// name.
+/// What the diagnoses of a pass let adopt: the selected set where the verdict settles it, else what of it is settled, and each
+/// other supported effect by its name.
 pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
     let jobs = pass.pass.jobs.iter().filter(|job| job.spec.kind() == "diagnose");
     let mut offers = Vec::new();
@@ -62,8 +62,13 @@ pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
         if output.verdict.names_one_set() && !selected.is_empty() {
             offers.push(offer(&selected, false));
         } else {
-            let supported = output.effects.iter().filter(|effect| output.supports(effect)).take(MOST_OFFERED);
-            offers.extend(supported.map(|effect| offer(&[effect], true)));
+            let settled = output.settled();
+            let is_settled = |effect: &EffectResult| settled.iter().any(|one| one.id == effect.id);
+            if !settled.is_empty() {
+                offers.push(offer(&settled, true));
+            }
+            let open = output.effects.iter().filter(|effect| output.supports(effect) && !is_settled(effect));
+            offers.extend(open.take(MOST_OFFERED).map(|effect| offer(&[effect], true)));
         }
     }
     offers

@@ -111,6 +111,7 @@ fn table(
         file: file.value.clone(),
         sha256: data.sha256,
         unused_columns: columns.unused,
+        follows_gap: false,
         doubts: Vec::new(),
     }])
 }
@@ -288,6 +289,7 @@ fn from_windows(
         file: files.join(", "),
         sha256,
         unused_columns,
+        follows_gap: false,
         doubts: Vec::new(),
     }])
 }

@@ -124,6 +124,7 @@ pub fn transient(
             file: form.file.value.clone(),
             sha256: data.sha256.clone(),
             unused_columns: columns.unused.clone(),
+            follows_gap: part > 0,
             doubts: Vec::new(),
         };
         gaps::doubts(scope, &mut measurement, &entry.name_place);

@@ -142,10 +142,10 @@ impl Findings<'_> {
             return if sure && is_small_error(self.state) { Verdict::Identified } else { Verdict::Ambiguous };
         }
         let alone = self.rivals.len() == 1;
-        let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
+        let held = held(&self.state.refits, &self.weights, &self.groups);
         let own = &self.state.refits[self.selected].effects;
-        let all_large = own.iter().all(|&effect| self.model_error(effect) < IS_MODEL_ERROR);
-        if alone && sure && all_large { Verdict::Identified } else { Verdict::Ambiguous }
+        let sure = own.iter().all(|&effect| self.unless_model_error(effect, held) >= SURE);
+        if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
     }
 }
 

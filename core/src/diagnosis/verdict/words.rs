@@ -453,7 +453,8 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 words.push(too_narrow(effect, findings.problem));
             }
             for effect in selected.iter().filter(|effect| !is_prior(effect)) {
-                let head = if output.verdict == Verdict::Identified { "Missing" } else { "Perhaps missing" };
+                let is_settled = output.settled().iter().any(|settled| settled.id == effect.id);
+                let head = if output.verdict == Verdict::Identified || is_settled { "Missing" } else { "Perhaps missing" };
                 let number = output.steps.iter().position(|step| step.effect.as_ref() == Some(&effect.id));
                 let (head, errors) = match number {
                     Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),
