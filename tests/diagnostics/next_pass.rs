@@ -306,7 +306,10 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
     }
     // What shares no group with it: other sets.
     let mut alone = found.clone();
-    alone.effects.iter_mut().for_each(|effect| (effect.group, effect.probability) = (None, effect.probability.min(0.5)));
+    alone
+        .effects
+        .iter_mut()
+        .for_each(|effect| (effect.group, effect.probability) = (None, effect.probability.min(0.5)));
     let next = adopt(&study, &alone, &["conductive-path"], false).expect("adopted");
     assert!(
         next.warnings.plain()[0].message.ends_with("its rivals: `heat-load:box` (0.300)"),
@@ -325,7 +328,10 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
     // What all likely sets have is settled, and adopted alone without a word.
     let both = ["conductive-path:box:detector", "heat-load:box"];
     let open = vec![harness(Some(1)), other(both[1], "node", Some(2)), other("heat-load:detector", "node", Some(2))];
-    let sets = [json!({"effects": both, "probability": 0.5}), json!({"effects": [both[0], "heat-load:detector"], "probability": 0.48})];
+    let sets = [
+        json!({"effects": both, "probability": 0.5}),
+        json!({"effects": [both[0], "heat-load:detector"], "probability": 0.48}),
+    ];
     let part = output(json!({"verdict": "ambiguous", "effects": open, "selected": both, "models": sets}));
     assert!(adopt(&study, &part, &["conductive-path"], false).expect("adopted").warnings.is_empty());
     let said = adopt(&study, &part, &[], false).expect_err("refused");

@@ -37,7 +37,17 @@ fn sensor(place: &SensorPlace, sigma: Uncertain) -> Sensor {
 
 fn measurement(name: &str, rows: Rows, sensors: Vec<Sensor>, readings: Vec<Option<f64>>) -> Measurement {
     let (file, sha256) = (String::new(), String::new());
-    Measurement { name: name.into(), rows, sensors, readings, file, sha256, unused_columns: vec![], follows_gap: false, doubts: vec![] }
+    Measurement {
+        name: name.into(),
+        rows,
+        sensors,
+        readings,
+        file,
+        sha256,
+        unused_columns: vec![],
+        follows_gap: false,
+        doubts: vec![],
+    }
 }
 
 /// Phases of which the last is held out and one reading is missing.

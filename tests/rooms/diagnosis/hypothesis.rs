@@ -33,7 +33,10 @@ fn start_of_hidden_node(with_all: bool, is_misspecified: bool, follows_gap: bool
     };
     let listed = hypothesis.starts.iter().filter(|start| start.measurement == 0 && start.node == count);
     let listed: Vec<Uncertain> = listed.map(|start| Uncertain::Inferred(start.prior)).collect();
-    assert_eq!(listed, if with_all || !(is_misspecified || follows_gap) { Vec::new() } else { vec![values[count].clone()] });
+    assert_eq!(
+        listed,
+        if with_all || !(is_misspecified || follows_gap) { Vec::new() } else { vec![values[count].clone()] }
+    );
     (values[count].clone(), shown)
 }
 

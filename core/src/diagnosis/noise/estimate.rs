@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::noise::like_sensors::{Errors, sizes};
 use crate::diagnosis::noise::restricted_likelihood::Taken;
-use crate::inference::likelihood::noise::{Noise, Series};
+use crate::inference::likelihood::noise::{Filter, Noise, Series};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
 use crate::measurement::unknown::Value;
@@ -72,6 +72,12 @@ impl EstimatedNoise {
             correlation_time_s: self.correlation_time_s.map(Value::Known),
             white: self.white.map(Value::Known),
         }
+    }
+
+    /// The whitening of any values of a sensor at these instants, s.
+    pub fn filter(&self, times_s: &[f64]) -> Filter {
+        // Noise that is settled is above 0.
+        self.noise().filter(&[], times_s).unwrap_or(Filter::White(1.0))
     }
 
     /// Whitens a sensor's values in place; returns the sum of the logarithms of the standard deviations, negative.

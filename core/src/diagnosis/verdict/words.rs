@@ -454,7 +454,8 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
             for effect in selected.iter().filter(|effect| !is_prior(effect)) {
                 let is_settled = output.settled().iter().any(|settled| settled.id == effect.id);
-                let head = if output.verdict == Verdict::Identified || is_settled { "Missing" } else { "Perhaps missing" };
+                let head =
+                    if output.verdict == Verdict::Identified || is_settled { "Missing" } else { "Perhaps missing" };
                 let number = output.steps.iter().position(|step| step.effect.as_ref() == Some(&effect.id));
                 let (head, errors) = match number {
                     Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),

@@ -34,6 +34,44 @@ pub struct Series<'a> {
     pub scale_gradient: &'a mut [f64],
 }
 
+/// The whitening of any series of one sensor at given values of its noise: what does not depend on the series, once.
+#[derive(Clone, Debug)]
+pub enum Filter {
+    /// White noise: the standard deviation.
+    White(f64),
+    /// An Ornstein-Uhlenbeck process: by reading, what is left of the one before, and the standard deviation given that.
+    Correlated(Vec<[f64; 2]>),
+    /// The same with white noise beside it: by reading, what is left of the state, the standard deviation given those before, and the
+    /// gain of the Kalman filter.
+    Filtered(Vec<[f64; 3]>),
+}
+
+impl Filter {
+    /// Whitens a series, in place, to the bit as [`Noise::whiten`].
+    pub fn apply(&self, values: &mut [f64]) {
+        match self {
+            Self::White(sd) => values.iter_mut().for_each(|value| *value /= sd),
+            Self::Correlated(steps) => {
+                let mut before = 0.0;
+                for (value, [phi, scale]) in values.iter_mut().zip(steps) {
+                    let own = *value;
+                    *value = (own - phi * before) / scale;
+                    before = own;
+                }
+            }
+            Self::Filtered(steps) => {
+                let mut mean = 0.0;
+                for (value, [phi, scale, gain]) in values.iter_mut().zip(steps) {
+                    mean *= phi;
+                    let innovation = *value - mean;
+                    *value = innovation / scale;
+                    mean += gain * innovation;
+                }
+            }
+        }
+    }
+}
+
 /// A function with its last value: most rows are as far apart as those before them.
 struct Remembered<F> {
     function: F,
@@ -73,17 +111,57 @@ impl Noise {
     /// # Errors
     /// [`Rejected`] for a standard deviation or correlation time that is not above 0.
     pub fn whiten(&self, unknowns: &[f64], series: &mut Series<'_>) -> Result<(), Rejected> {
-        let total = self.total(unknowns);
-        let tau_s = self.correlation_time_s.map(|tau| tau.at(unknowns));
-        if !(total > 0.0 && total.is_finite()) || tau_s.is_some_and(|tau| !(tau > 0.0 && tau.is_finite())) {
-            return Err(Rejected::new("a sensor's noise is not above 0"));
-        }
+        self.checked(unknowns)?;
         match (self.correlation_time_s, self.white) {
             (None, _) => self.white_only(unknowns, series),
             (Some(tau), None) => self.correlated(unknowns, tau, series),
             (Some(tau), Some(white)) => self.filtered(unknowns, tau, white, series),
         }
         Ok(())
+    }
+
+    /// The whitening at these instants, s.
+    ///
+    /// # Errors
+    /// [`Rejected`] for a standard deviation or correlation time that is not above 0.
+    pub fn filter(&self, unknowns: &[f64], times_s: &[f64]) -> Result<Filter, Rejected> {
+        let (total, tau_s) = self.checked(unknowns)?;
+        let Some(tau_s) = tau_s else { return Ok(Filter::White(total)) };
+        let sigma = self.sigma.at(unknowns);
+        let step = |row: usize| (times_s[row] - times_s[row - 1]) / tau_s;
+        let mut decay = Remembered::new(exp);
+        let Some(white) = self.white else {
+            let mut loss = Remembered::new(exp_m1);
+            let of = |row: usize| match row {
+                0 => [0.0, sigma],
+                _ => [decay.of(-step(row)), sigma * (-loss.of(-2.0 * step(row))).sqrt()],
+            };
+            return Ok(Filter::Correlated((0..times_s.len()).map(of).collect()));
+        };
+        let white_sd = white.at(unknowns);
+        let mut variance = sigma * sigma;
+        let of = |row: usize| {
+            let mut phi = 1.0;
+            if row > 0 {
+                phi = decay.of(-step(row));
+                variance = sigma * sigma + phi * phi * (variance - sigma * sigma);
+            }
+            let total = variance + white_sd * white_sd;
+            let gain = variance / total;
+            variance = gain * white_sd * white_sd;
+            [phi, total.sqrt(), gain]
+        };
+        Ok(Filter::Filtered((0..times_s.len()).map(of).collect()))
+    }
+
+    /// Standard deviation and correlation time, where both are above 0.
+    fn checked(&self, unknowns: &[f64]) -> Result<(f64, Option<f64>), Rejected> {
+        let total = self.total(unknowns);
+        let tau_s = self.correlation_time_s.map(|tau| tau.at(unknowns));
+        if !(total > 0.0 && total.is_finite()) || tau_s.is_some_and(|tau| !(tau > 0.0 && tau.is_finite())) {
+            return Err(Rejected::new("a sensor's noise is not above 0"));
+        }
+        Ok((total, tau_s))
     }
 
     fn white_only(&self, unknowns: &[f64], series: &mut Series<'_>) {

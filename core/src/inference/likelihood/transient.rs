@@ -300,11 +300,12 @@ impl TransientPart {
     }
 
     /// Appends the whitening of each sensor.
-    pub fn whitening(&self, blocks: &mut Vec<Block>) {
+    pub fn whitening(&self, unknowns: &[f64], blocks: &mut Vec<Block>) -> Result<(), Rejected> {
         for (sensor, readings) in self.sensors.iter().zip(&self.readings) {
-            let times_s = readings.times_s.clone();
-            blocks.push(Block::Series { first: readings.first, times_s, noise: sensor.noise });
+            let filter = sensor.noise.filter(unknowns, &readings.times_s)?;
+            blocks.push(Block::Series { first: readings.first, readings: readings.times_s.len(), filter });
         }
+        Ok(())
     }
 
     fn rejected(&self, error: &TransientError) -> Rejected {

@@ -1,14 +1,13 @@
 //! The whitening `W` of a likelihood at given unknowns, for columns of one's own.
 
 use super::{Likelihood, Part};
-use crate::inference::likelihood::noise::{Noise, Series};
+use crate::inference::likelihood::noise::Filter;
 use crate::inference::target::Rejected;
 use crate::math::cholesky;
 
 /// `W` with `W' W` the inverse covariance of the noise, prepared at one point.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    unknowns: Vec<f64>,
     pub(super) blocks: Vec<Block>,
 }
 
@@ -20,7 +19,7 @@ pub(super) enum Block {
     /// `L` of the covariance.
     Factor { first: usize, size: usize, factor: Vec<f64> },
     /// A sensor over time.
-    Series { first: usize, times_s: Vec<f64>, noise: Noise },
+    Series { first: usize, readings: usize, filter: Filter },
 }
 
 impl Likelihood {
@@ -34,10 +33,10 @@ impl Likelihood {
         for part in &self.parts {
             match part {
                 Part::Steady(part) => part.whitening(unknowns, &mut blocks)?,
-                Part::Transient(part) => part.whitening(&mut blocks),
+                Part::Transient(part) => part.whitening(unknowns, &mut blocks)?,
             }
         }
-        Ok(Whitening { unknowns: unknowns.to_vec(), blocks })
+        Ok(Whitening { blocks })
     }
 }
 
@@ -57,18 +56,7 @@ impl Whitening {
                 Block::Factor { first, size, factor } => {
                     cholesky::solve_lower(factor, &mut column[*first..*first + size]);
                 }
-                Block::Series { first, times_s, noise } => {
-                    let mut log_scales = vec![0.0; times_s.len()];
-                    let values = &mut column[*first..*first + times_s.len()];
-                    let mut series = Series {
-                        times_s,
-                        values,
-                        jacobian: &mut [],
-                        log_scales: &mut log_scales,
-                        scale_gradient: &mut [],
-                    };
-                    noise.whiten(&self.unknowns, &mut series)?;
-                }
+                Block::Series { first, readings, filter } => filter.apply(&mut column[*first..*first + readings]),
             }
         }
         Ok(())

@@ -77,6 +77,27 @@ fn whitening_agrees_with_the_dense_covariance_and_its_derivatives_with_differenc
 }
 
 #[test]
+fn a_filter_whitens_to_the_bit_as_the_noise_that_made_it() {
+    let u = Value::Unknown;
+    let at = [0.4, 2.0, 0.3];
+    for (tau, white) in [(None, None), (None, Some(u(2))), (Some(u(1)), None), (Some(u(1)), Some(u(2)))] {
+        let noise = Noise { sigma: u(0), correlation_time_s: tau, white };
+        let (mut expected, mut values) = (VALUES, VALUES);
+        let mut series = Series {
+            times_s: &TIMES,
+            values: &mut expected,
+            jacobian: &mut [],
+            log_scales: &mut [0.0; 6],
+            scale_gradient: &mut [],
+        };
+        noise.whiten(&at, &mut series).unwrap();
+        noise.filter(&at, &TIMES).unwrap().apply(&mut values);
+        assert_eq!(values, expected, "{noise:?}");
+    }
+    assert!(Noise { sigma: u(0), correlation_time_s: Some(u(1)), white: None }.filter(&[0.4, 0.0], &TIMES).is_err());
+}
+
+#[test]
 fn noise_that_is_not_above_zero_is_refused() {
     let noise = Noise { sigma: Value::Known(0.0), correlation_time_s: None, white: None };
     let mut values = [1.0];

@@ -251,7 +251,8 @@ fn forcing(
     if !rows.is_empty() {
         let mut at = vec![0.0; outputs];
         for row in 0..course.rows {
-            value(&mut room, row, false, &mut at);
+            // A reading at the instant at which a held input steps belongs to the interval that ends there.
+            value(&mut room, row, true, &mut at);
             rows.iter_mut().for_each(|(&output, values)| values[row] = at[output]);
         }
     }

@@ -222,9 +222,13 @@ fn exact_on_fewer_rows(
     courses: Option<&Courses>,
     asked: &[(usize, &Form<'_>)],
 ) -> Vec<Found> {
-    let is_coarse = |variant: &Variant<'_>| coarse.takes(variant.candidate);
+    // What a sensor adds to its readings leaves the network as it is: its course has all rows.
+    let takes = |candidate: usize| {
+        let is_of_sensors = || matches!(base.problem.candidates[candidate].site, Site::Sensors(_));
+        coarse.takes(candidate) || (courses.is_some() && is_of_sensors())
+    };
     let (on_fewer, on_all): (Vec<Variant<'_>>, Vec<Variant<'_>>) =
-        variant::variants(base, asked).into_iter().partition(is_coarse);
+        variant::variants(base, asked).into_iter().partition(|variant| takes(variant.candidate));
     let none = || -> Vec<Found> { asked.iter().map(|_| Ok(Vec::new())).collect() };
     let drawn = || {
         let mut directions = none();
@@ -245,7 +249,7 @@ fn exact_on_fewer_rows(
     };
     let (drawn, whole) = rayon::join(drawn, whole);
     let of_both = drawn.into_iter().zip(whole).zip(asked);
-    without_reading(of_both.map(|((drawn, whole), asked)| if coarse.takes(asked.0) { drawn } else { whole }).collect())
+    without_reading(of_both.map(|((drawn, whole), asked)| if takes(asked.0) { drawn } else { whole }).collect())
 }
 
 /// Says of candidates without a direction that no reading depends on them.
