@@ -26,6 +26,12 @@ impl Output {
         (!with.is_empty()).then(|| with.iter().sum::<f64>().min(least))
     }
 
+    /// Whether something is selected, and the data allow nothing in the place of any of it.
+    pub fn is_without_rival(&self) -> bool {
+        let mut selected = self.selected.iter().filter_map(|id| self.effect(id));
+        !self.selected.is_empty() && selected.all(|effect| self.confused_with(effect).next().is_none())
+    }
+
     /// Selected effects in whose place the data allow no other, and that are as probable as an identified one.
     pub fn settled(&self) -> Vec<&EffectResult> {
         let is_alone = |effect: &&EffectResult| self.confused_with(effect).next().is_none();

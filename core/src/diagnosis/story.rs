@@ -135,6 +135,25 @@ fn pays(state: &State, logs: &[f64], at: usize, place: usize) -> bool {
     logs[place] > logs[at] && if own.effects.is_empty() { !rises(errors) } else { falls(errors) }
 }
 
+/// What may be added at a step, as it is weighed.
+#[derive(Clone, Copy, Debug)]
+pub struct Weighed {
+    /// Its probability among all that may be added, and nothing.
+    pub probability: f64,
+    /// Whether it is an unknown function.
+    pub is_curve: bool,
+    /// Whether it is more probable than nothing, and the unseen rows do not speak against it.
+    pub pays: bool,
+}
+
+impl Weighed {
+    /// Whether another one is far more probable that does not pay; a law is contradicted by no curve.
+    pub fn is_contradicted(self, mut others: impl Iterator<Item = Self>) -> bool {
+        let speaks = |other: &Self| !other.pays && (self.is_curve || !other.is_curve);
+        others.any(|other| speaks(&other) && self.probability * RIVALS_WITHIN < other.probability)
+    }
+}
+
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further
@@ -170,12 +189,14 @@ impl Diagnosis {
     /// The steps before the first whose effect is far less probable than another that fails on the unseen rows: it would follow
     /// errors of the model.
     fn until_contradicted(&self, state: &State, logs: &[f64], mut story: Story) -> Story {
-        let is_curve = |one: &Addition| self.is_unknown_function(one.effect);
         let is_contradicted = |step: &Step| {
-            let Some(own) = step.additions.iter().find(|one| step.chosen == Some(one.place)) else { return false };
-            let fails = |one: &&Addition| !pays(state, logs, step.before, one.place);
-            let rivals = step.additions.iter().filter(|one| is_curve(own) || !is_curve(one)).filter(fails);
-            own.probability * RIVALS_WITHIN < rivals.map(|one| one.probability).fold(0.0, f64::max)
+            let weighed = |one: &Addition| Weighed {
+                probability: one.probability,
+                is_curve: self.is_unknown_function(one.effect),
+                pays: pays(state, logs, step.before, one.place),
+            };
+            let own = step.additions.iter().find(|one| step.chosen == Some(one.place));
+            own.is_some_and(|own| weighed(own).is_contradicted(step.additions.iter().map(weighed)))
         };
         if let Some(number) = story.steps.iter().position(is_contradicted) {
             let last = Step { chosen: None, ..self.step(state, logs, story.sets[number]) };

@@ -73,6 +73,9 @@ pub(super) fn verdict(output: &Output) -> Text {
     let meaning = match output.verdict {
         Verdict::Adequate => ": nothing is missing that these data could show.",
         Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
+        Verdict::Ambiguous if output.is_without_rival() => {
+            ": effects explain the misfit that have no rivals, but these data do not settle that they are there."
+        }
         Verdict::Ambiguous => ": several sets of effects explain the misfit, and these data do not settle which.",
         Verdict::Unexplained => ": something is missing, and nothing in the catalogue explains it.",
     };

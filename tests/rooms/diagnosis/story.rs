@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/story.rs`.
 
-use bmv::diagnosis::story::{falls, rises, serves_as_well};
+use bmv::diagnosis::story::{Weighed, falls, rises, serves_as_well};
 
 /// 95 % of what the other explains, and no larger error on unseen rows.
 #[test]
@@ -21,4 +21,17 @@ fn errors_on_unseen_rows_rise_and_fall_by_more_than_a_twentieth() {
         assert!(!rises(none) && falls(none), "{none:?}");
     }
     assert!(!falls(of(f64::NAN)));
+}
+
+/// Ten times as probable, and the unseen rows speak against it.
+#[test]
+fn a_step_ends_where_the_unseen_rows_contradict_what_is_far_more_probable() {
+    let of = |probability: f64, is_curve: bool, pays: bool| Weighed { probability, is_curve, pays };
+    let contradicts = |own: Weighed, other: Weighed| own.is_contradicted([own, other].into_iter());
+    let law = of(0.05, false, true);
+    assert!(contradicts(law, of(0.6, false, false)));
+    assert!(!contradicts(law, of(0.4, false, false)), "it is not far more probable");
+    assert!(!contradicts(law, of(0.6, false, true)), "the unseen rows do not speak against it");
+    assert!(!contradicts(law, of(0.6, true, false)), "a curve says nothing of a law");
+    assert!(contradicts(Weighed { is_curve: true, ..law }, of(0.6, true, false)));
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::Problem;
 use crate::diagnosis::engine::{Remainder, State};
-use crate::diagnosis::odds::posterior_odds::{SURE, SetProbabilities, best, held};
+use crate::diagnosis::odds::posterior_odds::{STANDS, SURE, SetProbabilities, best, held};
 use crate::diagnosis::output::Verdict;
 use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
@@ -142,10 +142,11 @@ impl Findings<'_> {
             return if sure && is_small_error(self.state) { Verdict::Identified } else { Verdict::Ambiguous };
         }
         let alone = self.rivals.len() == 1;
-        let held = held(&self.state.refits, &self.weights, &self.groups);
+        let sure = held(&self.state.refits, &self.weights, &self.groups) >= SURE;
         let own = &self.state.refits[self.selected].effects;
-        let sure = own.iter().all(|&effect| self.unless_model_error(effect, held) >= SURE);
-        if alone && sure { Verdict::Identified } else { Verdict::Ambiguous }
+        // As nothing does against a test that is not clear.
+        let model_error_stands = own.iter().any(|&effect| self.model_error(effect) >= STANDS);
+        if alone && sure && !model_error_stands { Verdict::Identified } else { Verdict::Ambiguous }
     }
 }
 
