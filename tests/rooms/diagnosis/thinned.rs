@@ -82,6 +82,20 @@ fn derivatives_on_fewer_rows_are_near_those_on_all() {
     let (same, drawn) = evaluate(&likelihood.clone().with_slopes_on(&fewer));
     assert_eq!(residuals, same);
     assert_ne!(exact, drawn);
+    // A course that is known from the value at the same point is the same; at another point it is not used.
+    let on_fewer = likelihood.clone().with_slopes_on(&fewer);
+    let elsewhere: Vec<f64> = likelihood.priors().iter().map(|prior| prior.quantile(0.6)).collect();
+    let mut memory = on_fewer.workspace();
+    let mut of = |at: &[f64]| {
+        let (mut value, mut residuals) = (residuals.clone(), residuals.clone());
+        let mut jacobian = vec![0.0; exact.len()];
+        on_fewer.residuals(at, &mut memory, &mut value).unwrap();
+        on_fewer.jacobian(at, &mut memory, &mut residuals, &mut jacobian, &mut vec![0.0; at.len()]).unwrap();
+        assert_eq!(value, residuals);
+        (residuals, jacobian)
+    };
+    assert_ne!(of(&elsewhere).0, same);
+    assert_eq!(of(&unknowns), (same, drawn.clone()));
     let n = likelihood.dimension();
     for (place, name) in likelihood.names().iter().enumerate() {
         let norm = |value: &dyn Fn(usize) -> f64| {

@@ -19,6 +19,7 @@ mod transient;
 mod whitening;
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -203,6 +204,9 @@ pub struct Memory {
     jacobian: Vec<f64>,
     log_scales: Vec<f64>,
     scale_gradient: Vec<f64>,
+    /// Of transients whose derivatives are found on fewer rows: the unknowns of the last course over all rows, and its quantities, `rows
+    /// x quantities`. A descent asks for the value at a point and then for its slopes.
+    courses: BTreeMap<usize, (Vec<f64>, Vec<f64>)>,
 }
 
 impl Likelihood {
@@ -442,6 +446,7 @@ impl Target for Likelihood {
             jacobian: vec![0.0; rows * n],
             log_scales: vec![0.0; rows],
             scale_gradient: vec![0.0; n],
+            courses: BTreeMap::new(),
         }
     }
 
