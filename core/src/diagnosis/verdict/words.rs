@@ -271,7 +271,7 @@ fn ends(step: &StoryStep) -> Option<String> {
     }
     let next = step.alternatives.first().map_or_else(String::new, |next| format!(" The next would be {next}."));
     Some(format!(
-        "No further step is taken: that none of the effects is to be added has the probability {}.{next}",
+        "No further step is taken: with a probability of {} no effect is to be added.{next}",
         percent(step.probability)
     ))
 }
