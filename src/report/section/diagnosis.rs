@@ -65,7 +65,7 @@ fn change(values: [Option<f64>; 2]) -> String {
 
 /// What must be mended before the verdict is believed.
 fn before_the_verdict(output: &Output) -> impl Iterator<Item = Block> {
-    output.before_the_verdict().into_iter().map(|line| Block::callout(Tone::Warning, line))
+    output.before_the_verdict().into_iter().map(|line| Block::callout(Tone::Warning, Text::with_names(&line)))
 }
 
 /// The verdict and what it means, in a line.
@@ -311,7 +311,7 @@ fn noise(output: &Output) -> Option<Block> {
         )
     } else {
         (
-            "Noise that was not wholly stated, as estimated from what the best pair of effects leaves.",
+            "Noise of the sensors as estimated from what the best pair of effects leaves, where the pass does not state all of it.",
             [Column::number("Correlation time", "s"), Column::number("Correlated share", "")],
         )
     };

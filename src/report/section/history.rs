@@ -104,7 +104,7 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
                 let of = pass.rmse_k.delivered;
                 let value = of.held_out.or(of.train).map_or_else(|| NONE.to_owned(), kelvin);
                 let what = if of.held_out.is_some() { "held-out " } else { "" };
-                text.plain(format!(" as delivered: RMSE {what}{value}; it was not tuned."))
+                text.plain(format!(" as delivered: RMSE {what}{value}; the pass has no job ")).code("calibrate").plain(" that tunes it.")
             }
         };
     };

@@ -86,7 +86,8 @@ pub(super) fn picture(report: &PassReport<'_>, is_small: bool) -> Option<Figure>
     diagram.missing.retain(|own| own.from < diagram.nodes.len() && own.to < diagram.nodes.len());
     let what: Vec<&str> = [
         (!diagram.missing.is_empty()).then_some("what is missing is dashed on a yellow band"),
-        (!diagram.adopted.is_empty()).then_some("adopted effects lie on a yellow band"),
+        (!(diagram.adopted.is_empty() && diagram.changed.is_empty()))
+            .then_some("what adopted effects add or change lies on a yellow band"),
     ]
     .into_iter()
     .flatten()

@@ -150,21 +150,21 @@ pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> (Table, 
     let shown = typeset(unit);
     let mut columns = vec![Column::text("State of the model")];
     if has_fitted {
-        columns.push(Column::number("Error, fitted", shown.clone()));
+        columns.push(Column::number("Fitted", shown.clone()));
     }
     if has_unseen {
-        columns.push(Column::number("Error, unseen", shown.clone()));
+        columns.push(Column::number("Unseen", shown.clone()));
     }
     if has_held_out {
-        columns.push(Column::number("Error, held out", shown.clone()));
+        columns.push(Column::number("Held out", shown.clone()));
     }
     if has_criteria {
-        columns.push(Column::text("Criteria kept"));
+        columns.push(Column::text("Criteria"));
     }
     columns.extend([
         Column::text("Worst sensor"),
-        Column::number("its mean", shown.clone()),
-        Column::number("its largest", shown.clone()),
+        Column::number("Mean", shown.clone()),
+        Column::number("Largest", shown.clone()),
     ]);
     let rows = (rungs.iter())
         .map(|Rung { state, standing, unseen }| {
@@ -202,7 +202,7 @@ pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> (Table, 
         format!("; the sensors' noise is {range}")
     });
     let caption = format!(
-        "States of the model on the same readings. Error: root mean square of measured minus predicted{noise}."
+        "States of the model on the same readings: root mean square of measured minus predicted{noise}."
     );
     (Table { caption: caption.into(), columns, rows }, notes(rungs, has_held_out, has_unseen).into())
 }
@@ -217,7 +217,7 @@ fn notes(rungs: &[Rung], has_held_out: bool, has_unseen: bool) -> String {
              have no such error."
         }
         (true, false) => {
-            "Held out: used by no fit and no choice of effects in this pass; there are none between (unseen)."
+            "Held out: readings that no fit and no choice of effects of this pass used."
         }
     };
     let judged = |of: fn(&Standing) -> bool| {

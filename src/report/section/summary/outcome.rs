@@ -216,13 +216,16 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
             Verdict::Identified => {
                 return Some(Text::default().code(adopt).plain(" writes the next pass with it; then run it."));
             }
-            Verdict::Ambiguous if output.discriminating_experiment.is_some() => {
-                let text = Text::new("Measure the phase that would part the rivals: ").code(command("diagnose"));
-                return Some(text.plain(" names it."));
+            Verdict::Ambiguous if parted(output).is_some() => {
+                let mut text = Text::new("Measure a phase that tells ");
+                for (position, rival) in parted(output).unwrap_or_default().iter().enumerate() {
+                    text = text.plain(if position == 0 { "" } else { " from " }).code(rival);
+                }
+                return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
             }
             Verdict::Ambiguous | Verdict::Unexplained => {
                 let text = Text::default().code(command("diagnose"));
-                return Some(text.plain(" lists the rivals, the missing heat and what was tried."));
+                return Some(text.plain(" lists what else it could be, the missing heat and what was tried."));
             }
             Verdict::Adequate => {}
         }
@@ -240,6 +243,12 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
         return Some(text.code(format!("bmv import csv LOG... --into {}", report.study)).plain("."));
     }
     Some(last_step(report))
+}
+
+/// The rivals that a proposed phase would part; none without such a phase, or where nothing rivals.
+fn parted(output: &Diagnosis) -> Option<&[String]> {
+    let experiment = output.discriminating_experiment.as_ref()?;
+    (experiment.between.len() > 1 && !experiment.conditions.is_empty()).then_some(experiment.between.as_slice())
 }
 
 /// What is left where no job says what to do: the design that meets the requirement, or the archive.
