@@ -402,7 +402,11 @@ fn a_loggers_files_become_a_table_and_the_next_pass() {
     assert!(said.contains("Replaced plate/data/log.csv\nReplaced plate/pass-2.json; now"), "{said}");
     assert!(!root.path().join("plate/pass-3.json").exists());
     let wrong = bmv(root.path(), &[&arguments[..], &["--hold", "P"]].concat());
-    assert!(code(&wrong) == 2 && text(&wrong.stderr).contains("`P` is no input with a channel"), "{}", text(&wrong.stderr));
+    assert!(
+        code(&wrong) == 2 && text(&wrong.stderr).contains("`P` is no input with a channel"),
+        "{}",
+        text(&wrong.stderr)
+    );
     fs::write(root.path().join("log.csv"), log.replace("43,1", "4E,1")).unwrap();
     let wrong = bmv(root.path(), &["import", "csv", "log.csv", "--into", "plate", "--name", "b"]);
     assert!(code(&wrong) == 2 && text(&wrong.stderr).contains("log.csv:6:21"), "{}", text(&wrong.stderr));

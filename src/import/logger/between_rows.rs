@@ -42,8 +42,7 @@ pub fn between_rows(readings: &[Option<f64>], unit: &str) -> BetweenRows {
         return linear("it is the same in all rows".to_owned());
     }
     // Values that change in few rows have no noise: their changes are the steps.
-    let noise =
-        if changing.len() <= most { 0.0 } else { OF_MEDIAN * quantile_sorted(&sorted(&changing), 0.5) };
+    let noise = if changing.len() <= most { 0.0 } else { OF_MEDIAN * quantile_sorted(&sorted(&changing), 0.5) };
     let is_step: Vec<bool> = differences.iter().map(|difference| *difference > STEP * noise).collect();
     let rows = is_step.iter().filter(|is_step| **is_step).count();
     if rows == 0 {
@@ -69,7 +68,7 @@ pub fn between_rows(readings: &[Option<f64>], unit: &str) -> BetweenRows {
 }
 
 fn with_unit(value: f64, unit: &str) -> String {
-    crate::report::number::with_unit(&significant(value, 2), unit)
+    format!("{} {unit}", significant(value, 2))
 }
 
 /// The most steps in neighbouring rows.
@@ -82,7 +81,8 @@ fn widest_between(known: &[f64], is_step: &[bool]) -> f64 {
     let (mut widest, mut range) = (0.0_f64, None::<[f64; 2]>);
     for (row, value) in known.iter().enumerate() {
         let goes_on = row > 0 && is_step.get(row - 1) == Some(&false);
-        let [low, high] = range.filter(|_| goes_on).map_or([*value; 2], |[low, high]| [low.min(*value), high.max(*value)]);
+        let [low, high] =
+            range.filter(|_| goes_on).map_or([*value; 2], |[low, high]| [low.min(*value), high.max(*value)]);
         widest = widest.max(high - low);
         range = Some([low, high]);
     }

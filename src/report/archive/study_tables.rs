@@ -13,7 +13,11 @@ use super::{ArchivedPass, ArchivedStudy};
 const MOST_FIGURES: usize = 12;
 
 /// A table of the rows of the last pass that has any, and those of earlier passes folded below it.
-fn latest_first(rows: Vec<(&ArchivedPass, Vec<Cell>)>, study: &ArchivedStudy, table: impl Fn(Vec<Vec<Cell>>) -> Table) -> Vec<Block> {
+fn latest_first(
+    rows: Vec<(&ArchivedPass, Vec<Cell>)>,
+    study: &ArchivedStudy,
+    table: impl Fn(Vec<Vec<Cell>>) -> Table,
+) -> Vec<Block> {
     let has_rows = |pass: &&ArchivedPass| rows.iter().any(|(own, _)| std::ptr::eq(*own, *pass));
     let Some(last) = study.passes.iter().rev().find(has_rows) else { return Vec::new() };
     let (latest, earlier): (Vec<_>, Vec<_>) = rows.into_iter().partition(|(own, _)| std::ptr::eq(*own, last));

@@ -7,8 +7,8 @@ use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WID
 use super::layout::{positions, push_apart};
 use super::palette::{AMBER, BLUE, Colour, GREEN, INK, PAPER, PURPLE, VERMILION, diverging, is_light};
 use super::sheet::Entry;
-use key::{key, key_rows, paint_key};
 use crate::report::number::signed;
+use key::{key, key_rows, paint_key};
 
 pub use crate::thermal::element::{Path, Source};
 
@@ -118,7 +118,8 @@ pub fn network(diagram: &Diagram) -> Drawing {
         TEXT
     };
     let field = match count {
-        _ if diagram.is_small => 460.0,
+        0..=8 if diagram.is_small => 390.0,
+        _ if diagram.is_small => 430.0,
         0..=3 => 430.0,
         4..=6 => 640.0,
         7..=12 => 860.0,

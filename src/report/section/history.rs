@@ -104,7 +104,9 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
                 let of = pass.rmse_k.delivered;
                 let value = of.held_out.or(of.train).map_or_else(|| NONE.to_owned(), kelvin);
                 let what = if of.held_out.is_some() { "held-out " } else { "" };
-                text.plain(format!(" as delivered: RMSE {what}{value}; the pass has no job ")).code("calibrate").plain(" that tunes it.")
+                text.plain(format!(" as delivered: RMSE {what}{value}; the pass has no job "))
+                    .code("calibrate")
+                    .plain(" that tunes it.")
             }
         };
     };
@@ -191,14 +193,15 @@ fn table(measured: &[&PassErrors]) -> Table {
         _ => "Within limit".to_owned(),
     };
     Table {
-        caption: "Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the limit are of the \
+        caption: "Readings for fitting / held out. Untuned: at nominal parameters, as delivered; what a pass adopts stands at its \
+                  nominal size there, so that tuned errors alone tell whether it helped. Mean deviation (measured minus predicted) and share within the limit are of the \
                   tuned state where there is one. Reduced chi-square: sum of squares of the whitened residuals over readings less unknowns, \
                   by the noise of the calibration; a diagnosis that estimates the noise itself tells another. Evidence compares passes \
                   that fit the same readings."
             .into(),
         columns: vec![
             Column::text("Pass"),
-            Column::number("RMSE as delivered", "K"),
+            Column::number("RMSE untuned", "K"),
             Column::number("RMSE tuned", "K"),
             Column::number("Mean", "K"),
             Column::number(limit, ""),

@@ -62,7 +62,10 @@ fn data_warnings(report: &PassReport<'_>) -> Option<Block> {
     let mut lines: Vec<String> = Vec::new();
     let doubts = report.outputs::<diagnose::Kind>().flat_map(|(_, output)| output.before_the_verdict());
     let compared = report.outputs::<compare::Kind>().flat_map(|(_, output)| output.warnings.iter().cloned());
+    // Of what a diagnosis warns of, that which is about a sensor.
+    let sensors = || report.measurements.iter().flat_map(|own| &own.sensors);
     let diagnosed = report.outputs::<diagnose::Kind>().flat_map(|(_, output)| output.warnings.iter().cloned());
+    let diagnosed = diagnosed.filter(|line| sensors().any(|sensor| line.contains(sensor.name.as_str())));
     for line in doubts.chain(compared).chain(diagnosed) {
         // A doubt with its remedy holds the bare one.
         if !lines.iter().any(|own| own.contains(&line)) {

@@ -3,8 +3,8 @@
 use crate::diagnosis::output::EffectResult;
 use crate::job::diagnose;
 use crate::report::number::{significant, with_unit};
-use crate::report::section::diagnosis::amount;
 use crate::report::plot::{Diagram, Missing, Path};
+use crate::report::section::diagnosis::amount;
 use crate::report::view::PassReport;
 use crate::study::AdoptedEffect;
 
@@ -38,11 +38,14 @@ pub(super) fn mark(report: &PassReport<'_>, diagram: &mut Diagram, place: impl F
     }
     let of_sources = diagram.sources.iter().map(|own| &own.0).filter(|name| adopted(report, name).is_some());
     // A node of an effect is named after it, `NAME.hidden`.
-    let is_of = |name: &str, effect: &AdoptedEffect| name.strip_prefix(&effect.name).is_some_and(|rest| rest.starts_with('.'));
-    let of_nodes = diagram.nodes.iter().map(|own| &own.0).filter(|name| report.adopted.iter().any(|own| is_of(name, own)));
+    let is_of =
+        |name: &str, effect: &AdoptedEffect| name.strip_prefix(&effect.name).is_some_and(|rest| rest.starts_with('.'));
+    let of_nodes =
+        diagram.nodes.iter().map(|own| &own.0).filter(|name| report.adopted.iter().any(|own| is_of(name, own)));
     // What an effect changes has its place's name.
     let is_changed = |name: &&String| report.adopted.iter().any(|effect| effect.place == [(*name).clone()]);
-    let changed = diagram.paths.iter().map(|own| &own.0).chain(diagram.sources.iter().map(|own| &own.0)).filter(is_changed);
+    let changed =
+        diagram.paths.iter().map(|own| &own.0).chain(diagram.sources.iter().map(|own| &own.0)).filter(is_changed);
     let added: Vec<String> = of_sources.chain(of_nodes).cloned().collect();
     diagram.changed = changed.cloned().collect();
     diagram.adopted.extend(added);

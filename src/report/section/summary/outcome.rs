@@ -114,8 +114,17 @@ fn of_error(report: &PassReport<'_>, is_first: bool) -> Option<Text> {
     let [delivered, ..] = states.as_slice() else { return None };
     let what = if delivered.held_out.is_some() { "Held-out error" } else { "Error" };
     let error = shown.text(delivered.error()?);
-    // With an adopted effect at nominal size the model is no longer the delivered one.
+    // With an adopted effect at nominal size the model is no longer the delivered one, and no state that anybody uses.
     let untuned = if report.adopted.is_empty() { "as delivered" } else { "untuned with the adopted effects" };
+    if let Some(tuned) = states.get(1).filter(|_| !report.adopted.is_empty()) {
+        let text = Text::new(format!("{what} {} tuned with the adopted effects", shown.text(tuned.error()?)));
+        return Some(match tuned_before(report, delivered.held_out.is_some()) {
+            Some((pass, before)) => {
+                text.plain(format!(", {} tuned without them (", shown.text(before))).code(pass).plain(").")
+            }
+            None => text.plain(format!(", {error} before tuning.")),
+        });
+    }
     if let Some(tuned) = states.get(1) {
         return Some(format!("{what} {error} {untuned}, {} after tuning.", shown.text(tuned.error()?)).into());
     }
@@ -123,6 +132,15 @@ fn of_error(report: &PassReport<'_>, is_first: bool) -> Option<Text> {
     let Some(worst) = delivered.worst.as_ref().filter(|_| is_first) else { return Some(text) };
     let (mean, largest) = (with_unit(&signed(worst.mean, 2), &shown.unit), shown.text(worst.largest));
     Some(text.plain(" Worst: ").code(&worst.name).plain(format!(", {mean} on average, {largest} at most.")))
+}
+
+/// The nearest earlier pass that is tuned on the same readings without the effects of this one, with its error in K.
+fn tuned_before<'r>(report: &'r PassReport<'_>, held_out: bool) -> Option<(&'r str, f64)> {
+    let history = report.history.as_ref()?;
+    let own = history.passes.iter().find(|pass| pass.pass == report.pass_file)?;
+    let before = history.before(own).filter(|before| before.has_readings_of(own) && before.adopted != own.adopted)?;
+    let tuned = before.rmse_k.tuned;
+    Some((before.pass.as_str(), if held_out { tuned.held_out? } else { tuned.train? }))
 }
 
 /// Parameters that press against a bound of their priors.
@@ -248,7 +266,8 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
 /// The rivals that a proposed phase would part; none without such a phase, or where nothing rivals.
 fn parted(output: &Diagnosis) -> Option<&[String]> {
     let experiment = output.discriminating_experiment.as_ref()?;
-    (experiment.between.len() > 1 && !experiment.conditions.is_empty()).then_some(experiment.between.as_slice())
+    (experiment.between.len() > 1 && !experiment.conditions.is_empty() && experiment.limits_ok)
+        .then_some(experiment.between.as_slice())
 }
 
 /// What is left where no job says what to do: the design that meets the requirement, or the archive.
