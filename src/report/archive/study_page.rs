@@ -127,9 +127,16 @@ fn error(study: &ArchivedStudy) -> Option<Section> {
     let place = section.blocks.iter().position(|block| matches!(block, Block::Table(_))).unwrap_or(0);
     // The error that counts stands open.
     let first = figures.next();
+    let has_bars = first.is_some();
     let others: Vec<Block> = figures.collect();
     let folded = (!others.is_empty()).then(|| Block::Details("Error on the readings for fitting".into(), others));
     section.blocks.splice(place..place, first.into_iter().chain(folded));
+    // The curves show what the bars show.
+    let folded = section.blocks.into_iter().enumerate().map(|(at, block)| match block {
+        Block::Figure(_) if has_bars && at > place => Block::Details("Error by pass as curves".into(), vec![block]),
+        other => other,
+    });
+    section.blocks = folded.collect();
     Some(section)
 }
 

@@ -64,7 +64,7 @@ impl Diagram {
     }
 }
 
-/// A path that is missing between two nodes; heat at one where both are the same.
+/// A path that is missing between two nodes, or was adopted there; heat at one where both are the same.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// What it is called.
@@ -119,7 +119,7 @@ pub fn network(diagram: &Diagram) -> Drawing {
     };
     let field = match count {
         0..=8 if diagram.is_small => 390.0,
-        _ if diagram.is_small => 430.0,
+        _ if diagram.is_small => 450.0,
         0..=3 => 430.0,
         4..=6 => 640.0,
         7..=12 => 860.0,
@@ -152,13 +152,30 @@ pub fn network(diagram: &Diagram) -> Drawing {
     draw_within((canvas_width, (field + key_height) as u32), |canvas| {
         let mut taken: Vec<Boxed> = centres.iter().copied().zip(boxes.iter().copied()).collect();
         let lanes = lanes(diagram);
-        for (path, &lane) in diagram.paths.iter().zip(&lanes) {
+        for (path, &lane) in diagram.paths.iter().zip(&lanes).filter(|(path, _)| !diagram.adopted.contains(&path.0)) {
             if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
                 let (from, to) = shifted(from, to, lane);
                 if diagram.is_adopted(&path.0) {
                     canvas.path(&[from, to], BAND, 24);
                 }
                 paint_path(canvas, path.1, from, to);
+            }
+        }
+        // Where it was missing, and named like it.
+        let adopted: Vec<(Missing, Vec<(f64, f64)>)> = (diagram.paths.iter())
+            .filter(|path| diagram.adopted.contains(&path.0))
+            .map(|(name, path, from, to)| {
+                let label = format!("adopted: {name}");
+                let own = Missing { label, path: *path, from: *from, to: *to, is_node: false };
+                let points = route(&own, &centres, &boxes);
+                (own, points)
+            })
+            .collect();
+        for (own, points) in &adopted {
+            canvas.path(points, BAND, 24);
+            match own.path {
+                Path::Radiation => canvas.dashed(points, colour_of(own.path), 5, 16.0, 12.0),
+                Path::Conductor | Path::Flow | Path::Cooler => canvas.path(points, colour_of(own.path), 5),
             }
         }
         let hidden = (text_width(HIDDEN, size) + 1.3 * size, 1.9 * size);
@@ -172,8 +189,8 @@ pub fn network(diagram: &Diagram) -> Drawing {
             };
             canvas.path(&points, BAND, 24);
             canvas.dashed(&points, colour_of(own.path), 9, 30.0, 18.0);
-            if own.is_node {
-                let at = points[if own.from == own.to { 0 } else { points.len() / 2 }];
+            let middle = if own.from == own.to { 0 } else { points.len() / 2 };
+            if let Some(&at) = points.get(middle).filter(|_| own.is_node) {
                 band_round(canvas, (at, hidden));
                 paint_node(canvas, (HIDDEN, ""), (NodeShape::Arithmetic, None), (at, hidden), size);
                 taken.push((at, hidden));
@@ -199,6 +216,9 @@ pub fn network(diagram: &Diagram) -> Drawing {
         for (own, points) in diagram.missing.iter().zip(&missing) {
             label_missing(canvas, own, points, &mut taken, (width, field));
         }
+        for (own, points) in &adopted {
+            label_missing(canvas, own, points, &mut taken, (width, field));
+        }
         for (name, source, node) in &diagram.sources {
             if let (Some(&centre), Some(&shape)) = (centres.get(*node), boxes.get(*node)) {
                 let is_adopted = diagram.is_adopted(name);
@@ -206,7 +226,8 @@ pub fn network(diagram: &Diagram) -> Drawing {
             }
         }
         if diagram.paths.len() <= MOST_NAMED {
-            for (path, &lane) in diagram.paths.iter().zip(&lanes) {
+            let named = diagram.paths.iter().zip(&lanes).filter(|(path, _)| !diagram.adopted.contains(&path.0));
+            for (path, &lane) in named {
                 if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
                     let (from, to) = shifted(from, to, lane);
                     label_path(canvas, &path.0, path.1, (from, to), &mut taken);

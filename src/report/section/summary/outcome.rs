@@ -15,6 +15,8 @@ use crate::report::section::validation::{Rests, claim};
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
 
+/// Letters of the rivals' ids that a line of the next step has room for.
+const MOST_LETTERS: usize = 70;
 /// Draws next to a bound, above which a parameter is said to press against it.
 const PRESSES: f64 = 0.05;
 /// Probability of so large a misfit by noise alone, below which a tuned model does not explain its data.
@@ -235,9 +237,14 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
                 return Some(Text::default().code(adopt).plain(" writes the next pass with it; then run it."));
             }
             Verdict::Ambiguous if parted(output).is_some() => {
+                let rivals = parted(output).unwrap_or_default();
                 let mut text = Text::new("Measure a phase that tells ");
-                for (position, rival) in parted(output).unwrap_or_default().iter().enumerate() {
-                    text = text.plain(if position == 0 { "" } else { " from " }).code(rival);
+                if rivals.iter().map(String::len).sum::<usize>() > MOST_LETTERS {
+                    text = text.plain(format!("the {} rivals apart", rivals.len()));
+                } else {
+                    for (position, rival) in rivals.iter().enumerate() {
+                        text = text.plain(if position == 0 { "" } else { " from " }).code(rival);
+                    }
                 }
                 return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
             }
