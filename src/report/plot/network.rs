@@ -181,11 +181,13 @@ pub fn network(diagram: &Diagram) -> Drawing {
         let hidden = (text_width(HIDDEN, size) + 1.3 * size, 1.9 * size);
         let mut missing: Vec<Vec<(f64, f64)>> = Vec::new();
         for own in &diagram.missing {
-            let points = if own.is_node && own.from == own.to {
-                let end = centres.get(own.from).copied().unwrap_or_default();
-                vec![beside(own.from, (&centres, &boxes), (hidden, &taken), (width, field)), end]
-            } else {
-                route(own, &centres, &boxes)
+            let at_one = own.is_node && own.from == own.to;
+            let host = centres.get(own.from).zip(boxes.get(own.from)).filter(|_| at_one);
+            let points = match host {
+                Some((&centre, &shape)) => {
+                    vec![beside((centre, shape), hidden, &taken, (width, field)), centre]
+                }
+                None => route(own, &centres, &boxes),
             };
             canvas.path(&points, BAND, 24);
             canvas.dashed(&points, colour_of(own.path), 9, 30.0, 18.0);
@@ -306,13 +308,7 @@ fn band_round(canvas: &mut Canvas<'_>, (centre, shape): Boxed) {
 }
 
 /// Where a box finds room beside a node, inside the field and clear of the others; above it where there is none.
-fn beside(
-    node: usize,
-    (centres, boxes): (&[(f64, f64)], &[(f64, f64)]),
-    (own, taken): ((f64, f64), &[Boxed]),
-    (width, field): (f64, f64),
-) -> (f64, f64) {
-    let (Some(&centre), Some(&shape)) = (centres.get(node), boxes.get(node)) else { return (width / 2.0, field / 2.0) };
+fn beside((centre, shape): Boxed, own: (f64, f64), taken: &[Boxed], (width, field): (f64, f64)) -> (f64, f64) {
     let (dx, dy) = (0.5 * (shape.0 + own.0) + 60.0, 0.5 * (shape.1 + own.1) + 60.0);
     let inside = |(x, y): (f64, f64)| {
         let (half_x, half_y) = (own.0 / 2.0 + 14.0, own.1 / 2.0 + 14.0);

@@ -128,6 +128,11 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
         pairs.filter_map(|((before, after), word)| Some((change(&before, &after)?, fell(&before, &after), word)));
     let Some((change, fell, word)) = changes.into_iter().next() else { return text.plain(": no error to compare.") };
     text = text.plain(format!(": {change} ({word}, against ")).code(&before.pass).plain(")");
+    // Where the pass before was not tuned, what this one reaches is held against nothing.
+    let tuned = pass.rmse_k.tuned.held_out.or(pass.rmse_k.tuned.train).filter(|_| word != words[0]);
+    if let Some(tuned) = tuned {
+        text = text.plain(format!("; tuned {}", kelvin(tuned)));
+    }
     match fell {
         Some(false) => text.plain("; ").strong("the error did not fall").plain("."),
         _ => text.plain("."),

@@ -1,6 +1,7 @@
 //! Tests of `src/import/logger/between_rows.rs`.
 
 use bmv::import::logger::between_rows::between_rows;
+use bmv::math::functions::exp;
 use bmv::math::special::normal_quantile;
 
 /// A series of 400 rows, with noise of a standard deviation: quantiles of a normal distribution in an order without pattern.
@@ -13,7 +14,7 @@ fn series(noise: f64, value: impl Fn(usize) -> f64) -> Vec<Option<f64>> {
 fn what_is_set_is_held_whatever_its_noise_and_what_moves_steadily_is_not() {
     let steps = |row: usize| [0.0, 8.0, 3.0, 3.5][row / 100];
     let ramp = |row: usize| 0.05 * row as f64;
-    let settling = |row: usize| if row < 50 { 0.0 } else { 20.0 * (1.0 - (-((row - 50) as f64) / 20.0).exp()) };
+    let settling = |row: usize| if row < 50 { 0.0 } else { 20.0 * (1.0 - exp(-((row - 50) as f64) / 20.0)) };
     let drift = |row: usize| steps(row) + 0.01 * (row % 100) as f64;
     let held = |noise: f64, value: &dyn Fn(usize) -> f64| between_rows(&series(noise, value), "W");
     // Without noise, and with noise of mW to a sixteenth of the smallest step.
