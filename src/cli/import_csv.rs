@@ -1,7 +1,6 @@
 //! `bmv import csv`.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -11,8 +10,9 @@ use super::import::read;
 use super::output::{escaped, print, print_json, shown, tell};
 use super::status::{Failure, Status};
 use crate::document::visible::shell_word;
-use crate::import::logger::{self, Known, Settings, propose};
+use crate::import::logger::{self, Known, Said, Settings, propose};
 use crate::study::discover;
+use crate::study::file::{self, Existing};
 
 /// Diagnostics printed of logs that are not understood.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -48,6 +48,15 @@ pub(super) struct Csv {
     /// Header of the column that holds the time
     #[arg(long, value_name = "HEADER")]
     time: Option<String>,
+    /// An input that moves in steps: its value holds until the next row; may be given several times
+    #[arg(long, value_name = "INPUT")]
+    hold: Vec<String>,
+    /// An input that moves steadily: its value is linear between rows; may be given several times
+    #[arg(long, value_name = "INPUT")]
+    linear: Vec<String>,
+    /// Write the measurement anew where an earlier import wrote it: its file, and the pass as far as nothing was added to it
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -67,7 +76,13 @@ impl Csv {
             Failure::rendered(diagnostics.render(context.coloured, MOST_DIAGNOSTICS))
         };
         let record = logger::read(&files, &Settings { time: self.time.clone(), channels }).map_err(wrong)?;
-        let before = discover::passes(&self.into).into_iter().max_by_key(|pass| discover::number(pass));
+        let last = discover::passes(&self.into).into_iter().max_by_key(|pass| discover::number(pass));
+        // The pass of an earlier import of this measurement is no parent of the one that takes its place.
+        let earlier = last.filter(|pass| self.is_of_import(pass));
+        let before = discover::passes(&self.into)
+            .into_iter()
+            .filter(|pass| Some(pass) != earlier.as_ref())
+            .max_by_key(|pass| discover::number(pass));
         let pass =
             before.as_ref().map(|pass| crate::study::load(&crate::job::kinds(), pass)).transpose().map_err(wrong)?;
         let known = pass.as_ref().map_or_else(Known::default, |pass| {
@@ -80,16 +95,16 @@ impl Csv {
         });
         let name = self.name.as_str();
         let file = format!("data/{name}.csv");
-        let proposal = propose(&record, &known, &file);
-        fs::create_dir_all(self.into.join("data")).map_err(|error| failed(&self.into, &error))?;
-        write_new(&self.into.join(&file), &proposal.csv)?;
+        let said = Said { held: self.hold.clone(), linear: self.linear.clone() };
+        let proposal = propose(&record, &known, &said, &file).map_err(Failure::input)?;
+        let became = self.write(Path::new(&file), &proposal.csv)?;
         let mut said = proposal.in_words(&record);
-        said.push_str(&format!("Made {}\n", shown(&self.into.join(&file))));
+        said.push_str(&format!("{became} {}\n", shown(&self.into.join(&file))));
         let mut written = None;
         if let Some(before) = before.as_deref().filter(|_| !proposal.sensors.is_empty()) {
-            let next = next_pass(&self.into, before, name, &proposal.measurement)?;
+            let (next, became) = self.next_pass(before, &proposal.measurement)?;
             let command = format!("bmv compare {}", escaped(&shell_word(&next.display().to_string())));
-            said.push_str(&format!("Made {}; now look through it, then try\n{command}\n", shown(&next)));
+            said.push_str(&format!("{became} {}; now look through it, then try\n{command}\n", shown(&next)));
             // Loaded as any pass is: what a model knows of its inputs is checked there.
             let loaded = crate::study::load(&crate::job::kinds(), &next).map_err(|diagnostics| {
                 let report = diagnostics.render(context.coloured, MOST_DIAGNOSTICS);
@@ -119,32 +134,61 @@ impl Csv {
         }
         Ok(Status::Done)
     }
-}
 
-/// The next free pass: that of the highest number so far as its parent, with the measurement.
-fn next_pass(study: &Path, before: &Path, name: &str, measurement: &Value) -> Result<PathBuf, Failure> {
-    let number = discover::number(before).unwrap_or(0) + 1;
-    let pass = study.join(format!("pass-{number}.json"));
-    let parent = before.file_name().map(|file| file.to_string_lossy().into_owned());
-    let text = json!({
-        "format": "bmv-pass/1",
-        "title": format!("Pass {number}: the model against {name}"),
-        "parent": parent,
-        "measurements": {name: measurement},
-        "jobs": {"delivered": {"compare": {"data": [name]}}, "missing": {"diagnose": {"data": [name]}}},
-    });
-    let text = serde_json::to_string_pretty(&text).map_err(|error| Failure::input(error.to_string()))? + "\n";
-    write_new(&pass, &text)?;
-    Ok(pass)
-}
+    /// Title of the pass that takes a measurement up.
+    fn title(&self, number: u64) -> String {
+        format!("Pass {number}: the model against {}", self.name)
+    }
 
-/// Writes a file that is not there yet.
-fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
-    let mut file = fs::File::create_new(path).map_err(|error| failed(path, &error))?;
-    file.write_all(text.as_bytes()).map_err(|error| failed(path, &error))
-}
+    /// Whether a pass is one that an import of this measurement wrote, and nothing was added to it.
+    fn is_of_import(&self, pass: &Path) -> bool {
+        let text = fs::read_to_string(pass).unwrap_or_default();
+        let written: Value = serde_json::from_str(&text).unwrap_or_default();
+        let Some(parent) = written["parent"].as_str() else { return false };
+        let own = self.pass(discover::number(pass).unwrap_or(0), parent, &written["measurements"][&self.name]);
+        own == written
+    }
 
-fn failed(path: &Path, error: &std::io::Error) -> Failure {
-    let help = if error.kind() == std::io::ErrorKind::AlreadyExists { "; --name NAME writes another" } else { "" };
-    Failure::input(format!("cannot write `{}`: {error}{help}", shown(path)))
+    /// A pass with the measurement, which holds the model against it.
+    fn pass(&self, number: u64, parent: &str, measurement: &Value) -> Value {
+        let name = self.name.as_str();
+        json!({
+            "format": "bmv-pass/1",
+            "title": self.title(number),
+            "parent": parent,
+            "measurements": {name: measurement},
+            "jobs": {"delivered": {"compare": {"data": [name]}}, "missing": {"diagnose": {"data": [name]}}},
+        })
+    }
+
+    /// Writes the next free pass: that of the highest number so far as its parent, with the measurement.
+    fn next_pass(&self, before: &Path, measurement: &Value) -> Result<(PathBuf, &'static str), Failure> {
+        let number = discover::number(before).unwrap_or(0) + 1;
+        let file = format!("pass-{number}.json");
+        let parent = before.file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
+        let pass = self.pass(number, &parent, measurement);
+        let text = serde_json::to_string_pretty(&pass).map_err(|error| Failure::input(error.to_string()))? + "\n";
+        let became = self.write(Path::new(&file), &text)?;
+        Ok((self.into.join(file), became))
+    }
+
+    /// Writes a file below the study, unless it is there with other content and the user does not say --force. What became
+    /// of it: `Made`, `Replaced` or `Unchanged`.
+    fn write(&self, relative: &Path, text: &str) -> Result<&'static str, Failure> {
+        let path = self.into.join(relative);
+        let there = path.symlink_metadata().is_ok();
+        if there && fs::read(&path).is_ok_and(|bytes| bytes == text.as_bytes()) {
+            return Ok("Unchanged:");
+        }
+        if there && !self.force {
+            return Err(Failure::input(format!(
+                "`{}` is there already with other content, from an earlier import or of your own; --force writes it anew, \
+                 --name NAME keeps it and writes another",
+                shown(&path)
+            )));
+        }
+        file::write(&self.into, relative, text.as_bytes(), Existing::Replace)
+            .map_err(|error| Failure::input(format!("cannot write `{}`: {error}", shown(&path))))?;
+        Ok(if there { "Replaced" } else { "Made" })
+    }
 }

@@ -88,16 +88,18 @@ fn history_tells_the_error_of_each_pass_and_how_it_fell() {
     - `pass-3.json` adds `heat-load:plate`: RMSE held-out 3.00 K → 1.00 K, for fitting 3.00 K → 1.00 K
       (as delivered, against `pass-1.json`).
 
-    Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the
-    limit are of the tuned state where there is one. Reduced chi-square: sum of squares of the whitened
-    residuals over readings less unknowns, by the noise of the calibration; a diagnosis that estimates
-    the noise itself tells another. Evidence compares passes that fit the same readings.
-    Pass               RMSE as   RMSE tuned       Mean [K]     Within 3 K       Log
-                 delivered [K]          [K]                                evidence
-    -----------  -------------  -----------  -------------  -------------  --------
-    pass-1.json    3.00 / 3.00  0.00 / 1.50   0.00 / +1.50  100 % / 100 %     -2.35
-    pass-2.json    1.00 / 1.00  0.00 / 0.00    0.00 / 0.00  100 % / 100 %     -2.08
-    pass-3.json    1.00 / 1.00            —  -1.00 / -1.00  100 % / 100 %         —
+    Readings for fitting / held out. Untuned: at nominal parameters, as delivered; what a pass adopts
+    stands at its nominal size there, so that tuned errors alone tell whether it helped. Mean deviation
+    (measured minus predicted) and share within the limit are of the tuned state where there is one.
+    Reduced chi-square: sum of squares of the whitened residuals over readings less unknowns, by the
+    noise of the calibration; a diagnosis that estimates the noise itself tells another. Evidence
+    compares passes that fit the same readings.
+    Pass                RMSE   RMSE tuned       Mean [K]     Within 3 K       Log
+                 untuned [K]          [K]                                evidence
+    -----------  -----------  -----------  -------------  -------------  --------
+    pass-1.json  3.00 / 3.00  0.00 / 1.50   0.00 / +1.50  100 % / 100 %     -2.35
+    pass-2.json  1.00 / 1.00  0.00 / 0.00    0.00 / 0.00  100 % / 100 %     -2.08
+    pass-3.json  1.00 / 1.00            —  -1.00 / -1.00  100 % / 100 %         —
 
     - `pass-3.json` has no job of kind calibrate, so that its tuned error and its evidence are not
       known; add to its jobs `"tuned": {"calibrate": {}}`.

@@ -388,9 +388,25 @@ fn a_loggers_files_become_a_table_and_the_next_pass() {
     assert_eq!(clean, "time [s],TC1 [degC],Q [W],T_wall [degC]\n0,43,10,20\n600,43.1,10,20\n");
     let pass: Json = serde_json::from_str(&fs::read_to_string(root.path().join("plate/pass-2.json")).unwrap()).unwrap();
     assert_eq!(pass["measurements"]["log"]["transient"]["sensors"]["TC1"]["measures"], "plate");
-    // Nothing is overwritten; what is not understood is said at its place.
-    let again = bmv(root.path(), &arguments);
-    assert!(code(&again) == 2 && text(&again.stderr).contains("--name NAME writes another"), "{}", text(&again.stderr));
+    // The same again changes nothing; other content is overwritten where the user says so alone, and the pass of the first
+    // try is no parent of its successor. What is not understood is said at its place.
+    let again = printed(root.path(), &arguments);
+    assert!(again.contains("Unchanged: plate/data/log.csv\nUnchanged: plate/pass-2.json; now"), "{again}");
+    fs::write(root.path().join("log.csv"), log.replace("43,1", "43,2")).unwrap();
+    let refused = bmv(root.path(), &arguments);
+    let said = text(&refused.stderr);
+    assert!(code(&refused) == 2 && said.contains("`plate/data/log.csv` is there already with other content"), "{said}");
+    let forced = [&arguments[..], &["--force", "--hold", "Q", "--linear", "T wall"]].concat();
+    let said = printed(root.path(), &forced);
+    assert!(said.contains("input Q is held from row to row: as --hold says"), "{said}");
+    assert!(said.contains("Replaced plate/data/log.csv\nReplaced plate/pass-2.json; now"), "{said}");
+    assert!(!root.path().join("plate/pass-3.json").exists());
+    let wrong = bmv(root.path(), &[&arguments[..], &["--hold", "P"]].concat());
+    assert!(
+        code(&wrong) == 2 && text(&wrong.stderr).contains("`P` is no input with a channel"),
+        "{}",
+        text(&wrong.stderr)
+    );
     fs::write(root.path().join("log.csv"), log.replace("43,1", "4E,1")).unwrap();
     let wrong = bmv(root.path(), &["import", "csv", "log.csv", "--into", "plate", "--name", "b"]);
     assert!(code(&wrong) == 2 && text(&wrong.stderr).contains("log.csv:6:21"), "{}", text(&wrong.stderr));

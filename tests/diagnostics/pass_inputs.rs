@@ -106,6 +106,10 @@ fn an_input_far_outside_its_range_is_an_error_at_its_cell() {
 
 #[test]
 fn an_input_modestly_outside_its_range_is_a_warning_at_its_cell() {
+    // A thousandth of the range's width is the offset of a meter.
+    let study = with_shroud();
+    study.edit("data/balance.csv", "P2,0,", "P2,60.05,");
+    assert!(!study.said("pass-1.json").contains("`T_if`"), "{}", study.said("pass-1.json"));
     let study = with_shroud();
     study.edit("data/balance.csv", "P2,0,", "P2,150,");
     let said = study.said("pass-1.json");

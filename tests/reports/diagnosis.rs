@@ -133,8 +133,29 @@ fn the_first_screen_tells_the_steps_and_what_each_does_to_the_error() {
 #[test]
 fn rivals_are_named_with_the_phase_that_parts_them() {
     let (summary, own) = told("ambiguous");
-    has(&summary, &["How sure: ambiguous", "1 rival", "radiative-path:baseplate:board", "with probability 97.0 %"]);
+    let next = "tells `conductive-path:baseplate:board` from `radiative-path:baseplate:board`: `bmv diagnose sample/";
+    has(
+        &summary,
+        &[next, "How sure: ambiguous", "1 rival", "radiative-path:baseplate:board", "with probability 97.0 %"],
+    );
     has(&own, &["with probability 97.0 %; repeating the best old phase: 60.0 %", "27.00", "28.00"]);
+}
+
+#[test]
+fn a_missing_hidden_node_is_drawn_as_a_node_with_its_conductance() {
+    let mut sample = diagnosed("identified");
+    let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        let effect = &mut output.effects[0];
+        (effect.id, effect.effect) = ("hidden-node:board".into(), "hidden-node".into());
+        (effect.place, effect.where_kind) = (vec!["board".into()], "node".into());
+        output.selected = vec!["hidden-node:board".into()];
+        output.models[0].effects.clone_from(&output.selected);
+    });
+    assert!(is_one, "a diagnosis");
+    let report = rendered(&sample);
+    let drawing = &report.figures.iter().find(|figure| figure.0 == "network").expect("a network").1;
+    assert_well_formed(drawing);
+    has(&drawing.replace('\u{A0}', " "), &["\nhidden node\n", "missing: hidden node, 0.0491 ± 0.0031 W/K"]);
 }
 
 #[test]
@@ -189,6 +210,9 @@ fn a_doubtful_start_stands_before_any_verdict() {
         let at = own.find("12.73 K above").expect("it is said");
         assert!(at < own.find(verdict).expect("a verdict"), "{verdict}: {own}");
         assert!(own.contains("Repair: "), "{own}");
+        // And on the first screen, before the states of the model.
+        let (said, table) = (report.markdown.find("**Warning.** Data: "), report.markdown.find("| State of the model"));
+        assert!(said.is_some() && said < table, "{verdict}");
     }
 }
 

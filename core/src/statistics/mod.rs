@@ -11,6 +11,7 @@ pub mod interval;
 pub mod kolmogorov;
 pub mod moments;
 pub mod monte_carlo;
+pub mod noise;
 pub mod poincare;
 pub mod quantile;
 pub mod regression;

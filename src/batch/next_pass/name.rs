@@ -15,7 +15,14 @@ pub fn name(
         // The place is a sensor's name: `TC box bias`, not `TC box sensor bias`.
         words = words.strip_prefix("sensor ").map(str::to_owned).unwrap_or(words);
     }
-    let mut name = format!("{} {words}", place.join("-"));
+    let place = place.join("-");
+    // `dissipation temperature dependence`, not `dissipation dissipation temperature`.
+    if words.ends_with(" temperature") {
+        words.push_str(" dependence");
+    }
+    let last = place.rsplit(' ').next().unwrap_or_default();
+    let said = words.strip_prefix(last).and_then(|rest| rest.strip_prefix(' ')).unwrap_or(&words);
+    let mut name = format!("{place} {said}");
     if let Some(input) = input {
         name.push_str(&format!(" ({input})"));
     }

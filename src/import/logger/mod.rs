@@ -2,15 +2,17 @@
 //! times in ISO 8601, as an epoch or as seconds, several files, channels that are dead or that nothing needs.
 //!
 //! `dialect`: how a file is written. `instant`: times. `channels`: what the user says of the channels. `record`: the
-//! files as one record. `proposal`: that record as a measurement of a study. Text in, text out: no file is touched.
+//! files as one record. `between_rows`: how an input goes between two rows. `proposal`: that record as a measurement of a
+//! study. Text in, text out: no file is touched.
 
+pub mod between_rows;
 mod channels;
 pub mod dialect;
 pub mod instant;
 pub mod proposal;
 mod record;
 
-pub use proposal::{Known, Proposal, propose};
+pub use proposal::{Known, Proposal, Said, propose};
 pub use record::{Channel, Record};
 
 use std::sync::Arc;

@@ -2,9 +2,18 @@
 
 use serde_json::{Map, Value, json};
 
+use super::between_rows::{BetweenRows, between_rows};
 use super::record::{Channel, Record};
 use crate::document::counted;
+use crate::document::suggest::listed;
 use crate::report::number::significant;
+use crate::statistics::noise::noise;
+use crate::statistics::quantile::{quantile_sorted, sorted};
+
+/// Standard deviations of a sensor's noise by which it changes between two rows where these are far apart.
+const COARSE: f64 = 20.0;
+/// Names that a message lists.
+const MOST_NAMES: usize = 12;
 
 /// What a study's model has that a channel may stand for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -13,6 +22,41 @@ pub struct Known {
     pub measured: Vec<String>,
     /// Names of inputs.
     pub inputs: Vec<String>,
+}
+
+/// What the user says of how inputs go between rows.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Said {
+    /// Names of the inputs, or of their channels, that are held from row to row.
+    pub held: Vec<String>,
+    /// Names of those that are linear between rows.
+    pub linear: Vec<String>,
+}
+
+impl Said {
+    /// The rule of an input: as the user says, else as its readings suggest.
+    fn rule(&self, input: &str, channel: &Channel) -> BetweenRows {
+        let says = |names: &[String]| names.iter().any(|name| name == input || *name == channel.name);
+        let by = |is_held, option| BetweenRows { is_held, because: format!("as {option} says") };
+        if says(&self.held) {
+            by(true, "--hold")
+        } else if says(&self.linear) {
+            by(false, "--linear")
+        } else {
+            between_rows(&channel.readings, channel.unit.as_deref().unwrap_or_default())
+        }
+    }
+
+    /// A name that no input of the record has, or that is said to be both.
+    fn wrong(&self, inputs: &[(&str, &str)]) -> Option<String> {
+        let is_known = |name: &&String| inputs.iter().any(|(input, channel)| name == input || name == channel);
+        if let Some(name) = self.held.iter().find(|name| self.linear.contains(name)) {
+            return Some(format!("`{name}` cannot be both held and linear: name it after --hold or after --linear"));
+        }
+        let name = self.held.iter().chain(&self.linear).find(|name| !is_known(name))?;
+        let known = listed(inputs.iter().map(|(input, _)| *input), MOST_NAMES);
+        Some(format!("--hold and --linear: `{name}` is no input with a channel; they are {known}"))
+    }
 }
 
 /// The proposal.
@@ -42,19 +86,27 @@ fn meant<'k>(names: &'k [String], channel: &Channel) -> Option<&'k String> {
 }
 
 /// A record as the measurement of a model; `file` is the path of the clean file within the study.
-pub fn propose(record: &Record, known: &Known, file: &str) -> Proposal {
+///
+/// # Errors
+/// What the user says of an input that the record does not have.
+pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Result<Proposal, String> {
     let mut notes = record.notes.clone();
     let mut sensors = Map::new();
     let mut hold: Vec<String> = Vec::new();
     let (mut columns, mut inputs, mut unknown): (Vec<(String, &Channel)>, Vec<String>, Vec<&str>) = Default::default();
+    let (mut measuring, mut of_inputs, mut rules) = (Vec::new(), Vec::new(), Vec::new());
     for channel in &record.channels {
         if let Some(reason) = &channel.left_out {
             notes.push(format!("channel `{}` {reason}: left out", channel.name));
         } else if let Some(input) = meant(&known.inputs, channel) {
             inputs.push(input.clone());
-            if moves_in_steps(&channel.readings) {
+            let rule = said.rule(input, channel);
+            let how = if rule.is_held { "held from row to row" } else { "linear between rows" };
+            rules.push(format!("input {input} is {how}: {}", rule.because));
+            if rule.is_held {
                 hold.push(input.clone());
             }
+            of_inputs.push((input.as_str(), channel.name.as_str()));
             columns.push((input.clone(), channel));
         } else if channel.is_stuck() {
             let value = channel.readings.iter().flatten().next().copied().unwrap_or(f64::NAN);
@@ -64,6 +116,7 @@ pub fn propose(record: &Record, known: &Known, file: &str) -> Proposal {
             ));
         } else if let Some(measures) = meant(&known.measured, channel) {
             sensors.insert(channel.name.clone(), sensor(measures, channel));
+            measuring.push(channel);
             columns.push((channel.name.clone(), channel));
         } else {
             unknown.push(&channel.name);
@@ -79,20 +132,22 @@ pub fn propose(record: &Record, known: &Known, file: &str) -> Proposal {
         ));
     }
     let longest = record.times_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    let mut steps: Vec<f64> = record.times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    if steps.get(steps.len() / 2).is_some_and(|usual| longest > 20.0 * usual) {
+    if longest > 20.0 * usual_step(record) {
         let gap = significant(longest, 3);
         notes.push(format!("the longest gap between two rows is {gap} s; \"max_gap\" begins a transient anew there"));
     }
     let names = sensors.keys().cloned().collect();
     let mut transient = json!({"file": file, "sensors": sensors, "initial": {"measured": {}}});
+    if let Some(wrong) = said.wrong(&of_inputs) {
+        return Err(wrong);
+    }
+    notes.extend(rules);
+    notes.extend(coarse(record, &measuring, !hold.is_empty()));
     if !hold.is_empty() {
-        notes.push(format!("held from row to row, because they move in steps: {}", hold.join(", ")));
         transient["hold"] = json!(hold);
     }
     let measurement = json!({"transient": transient});
-    Proposal { csv: csv(record, &columns), measurement, sensors: names, inputs, notes }
+    Ok(Proposal { csv: csv(record, &columns), measurement, sensors: names, inputs, notes })
 }
 
 fn sensor(measures: &str, channel: &Channel) -> Value {
@@ -103,29 +158,38 @@ fn sensor(measures: &str, channel: &Channel) -> Value {
     out
 }
 
-/// Whether a series stands still in most rows and jumps in some, as what a test sets does.
-fn moves_in_steps(readings: &[Option<f64>]) -> bool {
-    let known: Vec<f64> = readings.iter().flatten().copied().collect();
-    let still = known.windows(2).filter(|two| two[0] == two[1]).count();
-    let rows = known.len().saturating_sub(1);
-    still < rows && 5 * still > 4 * rows
-}
-
-/// Standard deviation of what is not smooth in a series, to two digits: of its second differences, whose variance is six
-/// times that of independent noise, by their median (P. J. Rousseeuw, C. Croux, J. Am. Stat. Assoc. 88, 1273, 1993, for the
-/// factor 1.4826). Where most of them are 0, that of the display's steps.
+/// The noise of a series to two digits; where it is 0, as of a display, that of the display's steps.
 pub fn scatter(readings: &[Option<f64>]) -> Option<f64> {
     let known: Vec<f64> = readings.iter().flatten().copied().collect();
-    let mut second: Vec<f64> = known.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs()).collect();
-    if second.len() < 8 {
-        return None;
-    }
-    second.sort_by(f64::total_cmp);
-    let noise = 1.4826 * second[second.len() / 2] / 6.0_f64.sqrt();
+    let noise = noise(&known)?;
     let steps = known.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
     let smallest = steps.fold(f64::INFINITY, f64::min);
     let sigma = if noise > 0.0 { noise } else { smallest / 12.0_f64.sqrt() };
     format!("{sigma:.1e}").parse().ok().filter(|sigma: &f64| sigma.is_finite() && *sigma > 0.0)
+}
+
+/// What to be aware of where rows are so far apart that temperatures change much between two: a held input may have
+/// stepped at any instant between them.
+fn coarse(record: &Record, sensors: &[&Channel], has_steps: bool) -> Option<String> {
+    let fastest = sensors.iter().filter_map(|channel| {
+        let known: Vec<f64> = channel.readings.iter().flatten().copied().collect();
+        let change = known.windows(2).map(|two| (two[1] - two[0]).abs()).fold(0.0, f64::max);
+        Some((*channel, change, scatter(&channel.readings)?)).filter(|(_, change, sigma)| *change > COARSE * sigma)
+    });
+    let (channel, change, _) = fastest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| has_steps)?;
+    let apart = usual_step(record);
+    let (apart, change) = (significant(apart, 3), significant(change, 2));
+    Some(format!(
+        "rows are {apart} s apart, and `{}` changes by up to {change} K between two: an input that is held has stepped up to \
+         {apart} s before the row that shows it, which looks like a lag of the sensors; log faster round a step, or \
+         ignore the rows after it",
+        channel.name
+    ))
+}
+
+/// The median distance between two rows, s.
+fn usual_step(record: &Record) -> f64 {
+    quantile_sorted(&sorted(&record.times_s.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>()), 0.5)
 }
 
 /// A cell with quotes where it needs them.

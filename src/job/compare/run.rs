@@ -427,7 +427,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        5
+        6
     }
 
     fn identity(&self) -> Value {
@@ -497,7 +497,13 @@ impl Job for Compare {
                 .zip(&self.parameters)
                 .map(|(p, &value)| (p.name.clone(), p.unit.clone(), value))
                 .collect(),
-            fails: words::fails(&whole.sensors, &whole.phases, &whole.trends, &whole.rows, self.spec.criteria.each_k),
+            fails: words::fails(
+                &whole.sensors,
+                &self.measurements,
+                &whole.trends,
+                &whole.rows,
+                self.spec.criteria.each_k,
+            ),
             verdicts: if unit == KELVIN { verdicts(&self.spec.criteria, &train, &held_out) } else { Vec::new() },
             criteria: self.spec.criteria.clone(),
             chi2_per_reading: chi2.filter(|c| c.1 > 0).map(|(sum, count)| sum / count as f64),

@@ -58,3 +58,16 @@ pub fn name(times_s: &[f64], stretch: Stretch) -> String {
         format!("{from:.0} to {to:.0} s")
     }
 }
+
+/// The stretch in which deviations, each with its instant in s, have the largest root mean square; None without any.
+pub fn worst(measurement: &Measurement, deviations: &[(f64, f64)]) -> Option<String> {
+    let Rows::Transient { inputs, .. } = &measurement.rows else { return None };
+    let mean_squares = stretches(measurement).into_iter().filter_map(|stretch| {
+        let (from, to) = (inputs.times_s[stretch.from], inputs.times_s[stretch.to - 1]);
+        let squares: Vec<f64> =
+            deviations.iter().filter(|(t, _)| (from..=to).contains(t)).map(|(_, own)| own * own).collect();
+        (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64, stretch))
+    });
+    let (_, stretch) = mean_squares.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(name(&inputs.times_s, stretch))
+}

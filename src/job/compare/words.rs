@@ -1,7 +1,9 @@
 //! Where a comparison fails, in words: sensor, direction, when, and what the error goes with.
 
 use super::deviation::KELVIN;
-use super::output::{PhaseSummary, Row, SensorSummary, Trend};
+use super::output::{Row, SensorSummary, Trend};
+use super::stretch;
+use crate::measurement::Measurement;
 
 /// Most trends named for a sensor.
 const TRENDS_NAMED: usize = 2;
@@ -19,7 +21,7 @@ pub fn signed(value: f64, unit: &str) -> String {
 /// many readings (95 %), or, where the noise is not known, where any reading in kelvin is beyond `limit_k`.
 pub fn fails(
     sensors: &[SensorSummary],
-    phases: &[PhaseSummary],
+    measurements: &[Measurement],
     trends: &[Trend],
     rows: &[Row],
     limit_k: Option<f64>,
@@ -37,10 +39,16 @@ pub fn fails(
     let mut failing: Vec<(&SensorSummary, f64)> =
         sensors.iter().map(|sensor| (sensor, excess(sensor))).filter(|(_, excess)| *excess > 1.0).collect();
     failing.sort_by(|a, b| b.1.total_cmp(&a.1));
-    failing.iter().map(|(sensor, _)| sentence(sensor, phases, trends, rows)).collect()
+    failing.iter().map(|(sensor, _)| sentence(sensor, sensors, measurements, trends, rows)).collect()
 }
 
-fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], rows: &[Row]) -> String {
+fn sentence(
+    sensor: &SensorSummary,
+    sensors: &[SensorSummary],
+    measurements: &[Measurement],
+    trends: &[Trend],
+    rows: &[Row],
+) -> String {
     let sensor_rows: Vec<&Row> =
         rows.iter().filter(|row| row.measurement == sensor.measurement && row.sensor == sensor.sensor).collect();
     let all: Vec<f64> = sensor_rows.iter().map(|row| row.measured - row.predicted).collect();
@@ -54,8 +62,11 @@ fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], r
         (true, false) => "the model is too low",
         (false, false) => "the model is too high",
     };
+    // A transient in parts has each sensor once a part.
+    let is_in_several = sensors.iter().any(|own| own.sensor == sensor.sensor && own.measurement != sensor.measurement);
+    let of = if is_in_several { format!(" in {}", sensor.measurement) } else { String::new() };
     let mut text = format!(
-        "{}: {direction}; measured minus predicted is {} on average, RMSE {}",
+        "{}{of}: {direction}; measured minus predicted is {} on average, RMSE {}",
         sensor.sensor,
         signed(overall.mean, &sensor.unit),
         signed(overall.rmse, &sensor.unit).trim_start_matches('+'),
@@ -73,11 +84,11 @@ fn sentence(sensor: &SensorSummary, phases: &[PhaseSummary], trends: &[Trend], r
         let place = match (&row.phase, row.time_s) {
             (Some(phase), _) => format!("in phase {phase}"),
             (None, Some(time_s)) => {
-                let stretch =
-                    phases.iter().filter(|p| p.measurement == sensor.measurement && p.worst_sensor == sensor.sensor);
-                let worst_stretch = stretch.max_by(|a, b| a.deviation.rmse.total_cmp(&b.deviation.rmse));
-                match worst_stretch {
-                    Some(stretch) => format!("at {time_s:.0} s; worst stretch {}", stretch.phase),
+                let deviations: Vec<(f64, f64)> =
+                    sensor_rows.iter().filter_map(|row| Some((row.time_s?, row.measured - row.predicted))).collect();
+                let own = measurements.iter().find(|own| own.name == sensor.measurement);
+                match own.and_then(|own| stretch::worst(own, &deviations)) {
+                    Some(stretch) => format!("at {time_s:.0} s; worst stretch {stretch}"),
                     None => format!("at {time_s:.0} s"),
                 }
             }

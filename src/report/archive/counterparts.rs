@@ -24,17 +24,20 @@ pub(super) fn section(study: &ArchivedStudy, all: &[ArchivedStudy]) -> Option<Se
     Some(Section {
         id: "counterparts",
         title: format!("Counterparts of {of}"),
-        blocks: vec![Block::Table(Table {
-            caption: caption.into(),
-            columns: vec![
-                Column::text("Item"),
-                Column::text("What it shows"),
-                Column::text("Counterpart"),
-                Column::text("Difference"),
-                Column::text("SHA-256"),
-            ],
-            rows,
-        })],
+        blocks: vec![Block::Details(
+            "What stands where".into(),
+            vec![Block::Table(Table {
+                caption: caption.into(),
+                columns: vec![
+                    Column::text("Item"),
+                    Column::text("What it shows"),
+                    Column::text("Counterpart"),
+                    Column::text("Difference"),
+                    Column::text("SHA-256"),
+                ],
+                rows,
+            })],
+        )],
     })
 }
 

@@ -123,8 +123,20 @@ fn error(study: &ArchivedStudy) -> Option<Section> {
     let parts: [(&str, &str, Pick); 2] =
         [("held-out", "held out", |split| split.held_out), ("fitting", "for fitting", |split| split.train)];
     let figures = parts.into_iter().filter_map(|(id, words, pick)| waterfall(&history, id, words, pick));
+    let mut figures = figures.map(Block::Figure).collect::<Vec<_>>().into_iter();
     let place = section.blocks.iter().position(|block| matches!(block, Block::Table(_))).unwrap_or(0);
-    section.blocks.splice(place..place, figures.map(Block::Figure));
+    // The error that counts stands open.
+    let first = figures.next();
+    let has_bars = first.is_some();
+    let others: Vec<Block> = figures.collect();
+    let folded = (!others.is_empty()).then(|| Block::Details("Error on the readings for fitting".into(), others));
+    section.blocks.splice(place..place, first.into_iter().chain(folded));
+    // The curves show what the bars show.
+    let folded = section.blocks.into_iter().enumerate().map(|(at, block)| match block {
+        Block::Figure(_) if has_bars && at > place => Block::Details("Error by pass as curves".into(), vec![block]),
+        other => other,
+    });
+    section.blocks = folded.collect();
     Some(section)
 }
 

@@ -12,6 +12,24 @@ use super::{ArchivedPass, ArchivedStudy};
 /// Parameters whose intervals are drawn.
 const MOST_FIGURES: usize = 12;
 
+/// A table of the rows of the last pass that has any, and those of earlier passes folded below it.
+fn latest_first(
+    rows: Vec<(&ArchivedPass, Vec<Cell>)>,
+    study: &ArchivedStudy,
+    table: impl Fn(Vec<Vec<Cell>>) -> Table,
+) -> Vec<Block> {
+    let has_rows = |pass: &&ArchivedPass| rows.iter().any(|(own, _)| std::ptr::eq(*own, *pass));
+    let Some(last) = study.passes.iter().rev().find(has_rows) else { return Vec::new() };
+    let (latest, earlier): (Vec<_>, Vec<_>) = rows.into_iter().partition(|(own, _)| std::ptr::eq(*own, last));
+    let cells = |rows: Vec<(&ArchivedPass, Vec<Cell>)>| rows.into_iter().map(|(_, cells)| cells).collect::<Vec<_>>();
+    let mut blocks = vec![Block::Table(table(cells(latest)))];
+    if !earlier.is_empty() {
+        let title = format!("Earlier passes ({})", counted(earlier.len(), "row"));
+        blocks.push(Block::Details(title, vec![Block::Table(table(cells(earlier)))]));
+    }
+    blocks
+}
+
 /// Requirements over the passes that judge them.
 pub(super) fn requirements(study: &ArchivedStudy) -> Option<Section> {
     let judged = study.passes.iter().flat_map(|pass| pass.record.requirements.iter().map(move |own| (pass, own)));
@@ -27,10 +45,10 @@ pub(super) fn requirements(study: &ArchivedStudy) -> Option<Section> {
     judged.sort_by_key(|(_, own)| {
         names.iter().position(|name| *name == (own.requirement.as_str(), own.environment.as_str()))
     });
-    let rows: Vec<Vec<Cell>> = judged
+    let rows: Vec<(&ArchivedPass, Vec<Cell>)> = judged
         .into_iter()
         .map(|(pass, own)| {
-            vec![
+            let cells = vec![
                 Cell::code(&own.requirement),
                 own.limit.clone().into(),
                 Cell::code(&own.environment),
@@ -39,15 +57,16 @@ pub(super) fn requirements(study: &ArchivedStudy) -> Option<Section> {
                 own.probability_text.clone().into(),
                 own.margin.clone().into(),
                 own.state.clone().into(),
-                Cell::marked(own.verdict.as_str(), own.status),
+                Cell { text: Text::with_names(&own.verdict), status: Some(own.status) },
                 Cell::code(&own.job),
-            ]
+            ];
+            (pass, cells)
         })
         .collect();
     (!rows.is_empty()).then(|| Section {
         id: "requirements",
         title: "Requirements and margins over the passes".into(),
-        blocks: vec![Block::Table(Table {
+        blocks: latest_first(rows, study, |rows| Table {
             caption: "What each pass says of each requirement. Predicted: median, quantiles of 1 % and 99 %. Margin: between the limit \
                       and the 99 % quantile towards it."
                 .into(),
@@ -64,31 +83,31 @@ pub(super) fn requirements(study: &ArchivedStudy) -> Option<Section> {
                 Column::text("Job"),
             ],
             rows,
-        })],
+        }),
     })
 }
 
 /// Key statements of each pass: sizes by rule and by probability among them.
 pub(super) fn statements(study: &ArchivedStudy) -> Option<Section> {
-    let rows: Vec<Vec<Cell>> = study
+    let rows: Vec<(&ArchivedPass, Vec<Cell>)> = study
         .passes
         .iter()
         .flat_map(|pass| {
             pass.record.statements.iter().map(move |own| {
                 let value = Cell { text: own.value.as_str().into(), status: own.status };
-                vec![Cell::from(link(pass)), own.label.clone().into(), value]
+                (pass, vec![Cell::from(link(pass)), own.label.clone().into(), value])
             })
         })
         .collect();
     (!rows.is_empty()).then(|| Section {
         id: "statements",
         title: "Key numbers by pass".into(),
-        blocks: vec![Block::Table(Table {
+        blocks: latest_first(rows, study, |rows| Table {
             caption: "What stands in large letters on the first screen of each pass: sizes by rule and by probability, effects, states."
                 .into(),
             columns: vec![Column::text("Pass"), Column::text("What"), Column::text("Value")],
             rows,
-        })],
+        }),
     })
 }
 
@@ -145,7 +164,8 @@ pub(super) fn parameters(study: &ArchivedStudy) -> Option<Section> {
             counted(count, "further parameter")
         ),
     };
-    let mut blocks = vec![Block::Table(Table {
+    let count = counted(rows.len(), "row");
+    let table = Block::Table(Table {
         caption: format!(
             "Parameters over the passes: a row where a pass has another nominal value or prior than the one before it, or infers the \
              parameter. Posterior: mean, standard deviation, 95 % interval; the calibration.{left_out}"
@@ -160,7 +180,9 @@ pub(super) fn parameters(study: &ArchivedStudy) -> Option<Section> {
             Column::text("Posterior"),
         ],
         rows,
-    })];
+    });
+    // What was delivered, tuned last and flies stands open in a table of its own.
+    let mut blocks = vec![Block::Details(format!("Parameters, pass by pass ({count})"), vec![table])];
     figures.truncate(MOST_FIGURES);
     if !figures.is_empty() {
         blocks.push(Block::Details(format!("Intervals, prior and posterior ({})", figures.len()), figures));
@@ -219,7 +241,7 @@ pub(super) fn changes(study: &ArchivedStudy) -> Option<Section> {
                 Cell::code(&own.what),
                 before.into(),
                 own.after.clone().into(),
-                own.because.clone().into(),
+                Text::with_names(&own.because).into(),
             ]);
         }
     }

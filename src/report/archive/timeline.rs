@@ -29,7 +29,8 @@ pub(super) fn section(study: &ArchivedStudy) -> Option<Section> {
             .collect();
         if passes.len() > 1 {
             blocks.push(Block::Figure(figure(&passes, variable, environment)));
-            blocks.push(Block::Table(table(&passes, variable, environment)));
+            let table = Block::Table(table(&passes, variable, environment));
+            blocks.push(Block::Details("The same in numbers".into(), vec![table]));
         }
     }
     let title = "What each approach knew when".into();

@@ -69,7 +69,8 @@ pub fn heat_map(map: &HeatMap) -> Drawing {
     let is_upright = longest > width - 10.0;
     let head = if is_upright { longest.min(300.0) + 20.0 } else { 56.0 };
     let row_height = match map.rows.len() {
-        rows if map.is_small => (336.0 / rows.max(1) as f64).clamp(28.0, 50.0),
+        // Names that stand upright take their room from the rows.
+        rows if map.is_small => ((392.0 - head) / rows.max(1) as f64).clamp(28.0, 50.0),
         rows if rows > MANY_ROWS => 38.0,
         _ => 50.0,
     };

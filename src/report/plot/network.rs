@@ -1,10 +1,14 @@
-//! The thermal network as a diagram: nodes as boxes, boundaries filled, paths as lines, heat as arrows.
+//! The thermal network as a diagram: nodes as boxes, boundaries filled, paths as lines, heat as arrows. `key`: what its
+//! marks mean.
+
+mod key;
 
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WIDTH, draw_within, fitted, text_width};
 use super::layout::{positions, push_apart};
-use super::palette::{AMBER, BLUE, Colour, GREEN, INK, MUTED, PAPER, PURPLE, VERMILION, diverging, is_light};
+use super::palette::{AMBER, BLUE, Colour, GREEN, INK, PAPER, PURPLE, VERMILION, diverging, is_light};
 use super::sheet::Entry;
-use crate::report::number::{signed, significant};
+use crate::report::number::signed;
+use key::{key, key_rows, paint_key};
 
 pub use crate::thermal::element::{Path, Source};
 
@@ -38,8 +42,11 @@ pub struct Diagram {
     pub paths: Vec<(String, Path, usize, usize)>,
     /// Sources: name, kind, node.
     pub sources: Vec<(String, Source, usize)>,
-    /// Names of the paths and sources of adopted effects. They do not move the boxes, which so stand where they stood before.
+    /// Names of the nodes, paths and sources that adopted effects add. They do not move the boxes, which so stand where they
+    /// stood before.
     pub adopted: Vec<String>,
+    /// Names of those that adopted effects change.
+    pub changed: Vec<String>,
     /// What is missing.
     pub missing: Vec<Missing>,
     /// Largest measured minus predicted at each node; `None` where nothing is measured. Empty: nodes keep their plain colour.
@@ -50,7 +57,14 @@ pub struct Diagram {
     pub is_small: bool,
 }
 
-/// A path that is missing between two nodes; heat at one where both are the same.
+impl Diagram {
+    /// Whether an adopted effect adds or changes what has this name.
+    fn is_adopted(&self, name: &String) -> bool {
+        self.adopted.contains(name) || self.changed.contains(name)
+    }
+}
+
+/// A path that is missing between two nodes, or was adopted there; heat at one where both are the same.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// What it is called.
@@ -61,6 +75,8 @@ pub struct Missing {
     pub from: usize,
     /// The other.
     pub to: usize,
+    /// Whether it is a node of its own, which hangs on the one node or stands between the two.
+    pub is_node: bool,
 }
 
 /// Paths that have their names in the picture; of more the table has them.
@@ -102,7 +118,8 @@ pub fn network(diagram: &Diagram) -> Drawing {
         TEXT
     };
     let field = match count {
-        _ if diagram.is_small => 460.0,
+        0..=8 if diagram.is_small => 390.0,
+        _ if diagram.is_small => 450.0,
         0..=3 => 430.0,
         4..=6 => 640.0,
         7..=12 => 860.0,
@@ -135,24 +152,60 @@ pub fn network(diagram: &Diagram) -> Drawing {
     draw_within((canvas_width, (field + key_height) as u32), |canvas| {
         let mut taken: Vec<Boxed> = centres.iter().copied().zip(boxes.iter().copied()).collect();
         let lanes = lanes(diagram);
-        for (path, &lane) in diagram.paths.iter().zip(&lanes) {
+        for (path, &lane) in diagram.paths.iter().zip(&lanes).filter(|(path, _)| !diagram.adopted.contains(&path.0)) {
             if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
                 let (from, to) = shifted(from, to, lane);
-                if diagram.adopted.contains(&path.0) {
+                if diagram.is_adopted(&path.0) {
                     canvas.path(&[from, to], BAND, 24);
                 }
                 paint_path(canvas, path.1, from, to);
             }
         }
-        let missing: Vec<Vec<(f64, f64)>> = diagram.missing.iter().map(|own| route(own, &centres, &boxes)).collect();
-        for (own, points) in diagram.missing.iter().zip(&missing) {
+        // Where it was missing, and named like it.
+        let adopted: Vec<(Missing, Vec<(f64, f64)>)> = (diagram.paths.iter())
+            .filter(|path| diagram.adopted.contains(&path.0))
+            .map(|(name, path, from, to)| {
+                let label = format!("adopted: {name}");
+                let own = Missing { label, path: *path, from: *from, to: *to, is_node: false };
+                let points = route(&own, &centres, &boxes);
+                (own, points)
+            })
+            .collect();
+        for (own, points) in &adopted {
             canvas.path(points, BAND, 24);
-            canvas.dashed(points, colour_of(own.path), 9, 30.0, 18.0);
+            match own.path {
+                Path::Radiation => canvas.dashed(points, colour_of(own.path), 5, 16.0, 12.0),
+                Path::Conductor | Path::Flow | Path::Cooler => canvas.path(points, colour_of(own.path), 5),
+            }
+        }
+        let hidden = (text_width(HIDDEN, size) + 1.3 * size, 1.9 * size);
+        let mut missing: Vec<Vec<(f64, f64)>> = Vec::new();
+        for own in &diagram.missing {
+            let at_one = own.is_node && own.from == own.to;
+            let host = centres.get(own.from).zip(boxes.get(own.from)).filter(|_| at_one);
+            let points = match host {
+                Some((&centre, &shape)) => {
+                    vec![beside((centre, shape), hidden, &taken, (width, field)), centre]
+                }
+                None => route(own, &centres, &boxes),
+            };
+            canvas.path(&points, BAND, 24);
+            canvas.dashed(&points, colour_of(own.path), 9, 30.0, 18.0);
+            let middle = if own.from == own.to { 0 } else { points.len() / 2 };
+            if let Some(&at) = points.get(middle).filter(|_| own.is_node) {
+                band_round(canvas, (at, hidden));
+                paint_node(canvas, (HIDDEN, ""), (NodeShape::Arithmetic, None), (at, hidden), size);
+                taken.push((at, hidden));
+            }
+            missing.push(points);
         }
         for (position, (_, kind)) in diagram.nodes.iter().enumerate() {
             let colour =
                 diagram.deviations.get(position).copied().flatten().map(|own| diverging(own / diagram.full_scale));
             let texts = (names[position].as_str(), numbers[position].as_str());
+            if diagram.is_adopted(&diagram.nodes[position].0) {
+                band_round(canvas, (centres[position], boxes[position]));
+            }
             paint_node(canvas, texts, (*kind, colour), (centres[position], boxes[position]), size);
         }
         let lines: Vec<_> = diagram
@@ -165,13 +218,18 @@ pub fn network(diagram: &Diagram) -> Drawing {
         for (own, points) in diagram.missing.iter().zip(&missing) {
             label_missing(canvas, own, points, &mut taken, (width, field));
         }
+        for (own, points) in &adopted {
+            label_missing(canvas, own, points, &mut taken, (width, field));
+        }
         for (name, source, node) in &diagram.sources {
             if let (Some(&centre), Some(&shape)) = (centres.get(*node), boxes.get(*node)) {
-                paint_source(canvas, name, *source, (centre, shape), &mut taken, &lines, (width, field));
+                let is_adopted = diagram.is_adopted(name);
+                paint_source(canvas, name, (*source, is_adopted), (centre, shape), &mut taken, &lines, (width, field));
             }
         }
         if diagram.paths.len() <= MOST_NAMED {
-            for (path, &lane) in diagram.paths.iter().zip(&lanes) {
+            let named = diagram.paths.iter().zip(&lanes).filter(|(path, _)| !diagram.adopted.contains(&path.0));
+            for (path, &lane) in named {
                 if let (Some(&from), Some(&to)) = (centres.get(path.2), centres.get(path.3)) {
                     let (from, to) = shifted(from, to, lane);
                     label_path(canvas, &path.0, path.1, (from, to), &mut taken);
@@ -188,14 +246,15 @@ fn record(canvas: &mut Canvas<'_>, diagram: &Diagram, centres: &[(f64, f64)]) {
     canvas.columns(["name", "kind", "node", "other node", "mark", DEVIATION]);
     let name = |node: usize| diagram.nodes.get(node).map_or("", |own| own.0.as_str());
     let place = |node: usize| centres.get(node).copied().unwrap_or((f64::NAN, f64::NAN));
+    let adopted = |own: &String| Entry::mark("adopted", diagram.is_adopted(own));
     for (node, (own, shape)) in diagram.nodes.iter().enumerate() {
         let deviation = diagram.deviations.get(node).copied().flatten().map_or(Entry::Empty, Entry::from);
-        let nothing = [Entry::Empty, Entry::Empty, Entry::Empty];
+        let nothing = [Entry::Empty, Entry::Empty];
+        let nothing = nothing.into_iter().chain([adopted(own)]);
         let row =
             canvas.record([own.as_str().into(), shape.words().into()].into_iter().chain(nothing).chain([deviation]));
         canvas.seen(row, place(node));
     }
-    let adopted = |own: &str| Entry::mark("adopted", diagram.adopted.iter().any(|other| other == own));
     for ((own, kind, from, to), lane) in diagram.paths.iter().zip(lanes(diagram)) {
         let row = canvas.record([
             own.as_str().into(),
@@ -215,7 +274,7 @@ fn record(canvas: &mut Canvas<'_>, diagram: &Diagram, centres: &[(f64, f64)]) {
         let to = if own.from == own.to { "" } else { name(own.to) };
         canvas.record([
             own.label.as_str().into(),
-            path_words(own.path).into(),
+            (if own.is_node { "hidden node" } else { path_words(own.path) }).into(),
             name(own.from).into(),
             to.into(),
             "missing".into(),
@@ -237,6 +296,28 @@ fn path_words(path: Path) -> &'static str {
         Path::Flow => "other heat flow",
         Path::Cooler => "cooler, cold to hot",
     }
+}
+
+/// What the box of a missing node says.
+const HIDDEN: &str = "hidden node";
+
+/// A band round a box.
+fn band_round(canvas: &mut Canvas<'_>, (centre, shape): Boxed) {
+    let half = (shape.0 / 2.0 + 12.0, shape.1 / 2.0 + 12.0);
+    canvas.fill((centre.0 - half.0, centre.1 - half.1), (centre.0 + half.0, centre.1 + half.1), BAND, 1.0);
+}
+
+/// Where a box finds room beside a node, inside the field and clear of the others; above it where there is none.
+fn beside((centre, shape): Boxed, own: (f64, f64), taken: &[Boxed], (width, field): (f64, f64)) -> (f64, f64) {
+    let (dx, dy) = (0.5 * (shape.0 + own.0) + 60.0, 0.5 * (shape.1 + own.1) + 60.0);
+    let inside = |(x, y): (f64, f64)| {
+        let (half_x, half_y) = (own.0 / 2.0 + 14.0, own.1 / 2.0 + 14.0);
+        (x.clamp(half_x, (width - half_x).max(half_x)), y.clamp(half_y, (field - half_y).max(half_y)))
+    };
+    let sides = [(0.0, -1.0), (0.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0)];
+    let places = sides.map(|(sx, sy)| inside((centre.0 + sx * dx, centre.1 + sy * dy)));
+    let is_free = |at: &&(f64, f64)| !taken.iter().any(|other| overlap(other, &(**at, own)));
+    places.iter().find(is_free).copied().unwrap_or(places[0])
 }
 
 /// The line of a missing path: straight, or bent round the boxes that stand between; at one node a line from above or below.
@@ -383,7 +464,7 @@ fn paint_node(
 fn paint_source(
     canvas: &mut Canvas<'_>,
     name: &str,
-    source: Source,
+    (source, is_adopted): (Source, bool),
     (centre, shape): Boxed,
     taken: &mut Vec<Boxed>,
     lines: &[Segment],
@@ -425,6 +506,9 @@ fn paint_source(
         let tail = if sy == 0.0 { (at.0 - sx * label.0 / 2.0, at.1) } else { (at.0, at.1 - sy * label.1 / 2.0) };
         let shaft = ((tail.0 - tip.0).abs() + 24.0, (tail.1 - tip.1).abs());
         taken.push((((tail.0 + tip.0) / 2.0, (tail.1 + tip.1) / 2.0), shaft));
+        if is_adopted {
+            canvas.path(&[tail, tip], BAND, 24);
+        }
         canvas.path(&[tail, tip], colour, 6);
         canvas.arrow_head(tail, tip, colour, 28.0);
         // A name without a free place would cover another; the table has it.
@@ -451,124 +535,6 @@ fn label_path(
             taken.push((at, label));
             canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour_of(path)).at(Anchor::Middle));
             return;
-        }
-    }
-}
-
-/// An entry of the key: a mark and what it means.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Key {
-    Node(NodeShape),
-    Path(Path),
-    Source(Source),
-    Deviation(f64),
-    Missing,
-    Adopted,
-    Unnamed,
-}
-
-impl Key {
-    fn words(self) -> String {
-        match self {
-            Self::Node(kind) => kind.words().into(),
-            Self::Path(path) => path_words(path).into(),
-            Self::Source(Source::Load) => LOAD.into(),
-            Self::Source(_) => HEATER.into(),
-            Self::Deviation(full) => {
-                let full = significant(full, 2);
-                format!("largest meas. \u{2212} pred., \u{2212}{full} to +{full} K")
-            }
-            Self::Missing => "missing".into(),
-            Self::Adopted => "adopted".into(),
-            Self::Unnamed => "names of the paths: see the table".into(),
-        }
-    }
-
-    /// Width of its mark with what is free behind it.
-    fn mark_width(self) -> f64 {
-        if matches!(self, Self::Deviation(_)) { 136.0 } else { 76.0 }
-    }
-
-    fn paint(self, canvas: &mut Canvas<'_>, (x, y): (f64, f64)) {
-        match self {
-            Self::Node(kind) => paint_node(canvas, ("", ""), (kind, None), ((x + 30.0, y), (56.0, 32.0)), SMALL),
-            Self::Path(kind) => paint_path(canvas, kind, (x, y), (x + 62.0, y)),
-            Self::Source(kind) => {
-                let colour = if kind == Source::Load { GREEN } else { AMBER };
-                canvas.path(&[(x, y), (x + 50.0, y)], colour, 6);
-                canvas.arrow_head((x, y), (x + 62.0, y), colour, 28.0);
-            }
-            Self::Deviation(_) => {
-                for step in 0..=10 {
-                    let (left, share) = (x + 11.0 * f64::from(step), f64::from(step) / 5.0 - 1.0);
-                    canvas.fill((left, y - 13.0), (left + 12.0, y + 13.0), diverging(share), 1.0);
-                }
-                canvas.outline((x, y - 13.0), (x + 122.0, y + 13.0), MUTED, 2);
-            }
-            Self::Missing | Self::Adopted => {
-                canvas.path(&[(x, y), (x + 66.0, y)], BAND, 22);
-                if self == Self::Missing {
-                    canvas.dashed(&[(x, y), (x + 66.0, y)], INK, 9, 26.0, 14.0);
-                } else {
-                    canvas.path(&[(x, y), (x + 66.0, y)], INK, 5);
-                }
-            }
-            Self::Unnamed => canvas.path(&[(x, y), (x + 60.0, y)], MUTED, 2),
-        }
-    }
-}
-
-/// What the picture holds, in the order of its key.
-fn key(diagram: &Diagram) -> Vec<Key> {
-    let nodes = [NodeShape::Diffusion, NodeShape::Arithmetic, NodeShape::Boundary]
-        .into_iter()
-        .filter(|kind| diagram.nodes.iter().any(|node| node.1 == *kind));
-    let paths = [Path::Conductor, Path::Radiation, Path::Flow, Path::Cooler]
-        .into_iter()
-        .filter(|kind| diagram.paths.iter().any(|path| path.1 == *kind));
-    let sources = [Source::Load, Source::Heater]
-        .into_iter()
-        .filter(|kind| diagram.sources.iter().any(|source| source.1 == *kind));
-    let has_deviations = diagram.deviations.iter().any(Option::is_some);
-    let marks = [
-        has_deviations.then_some(Key::Deviation(diagram.full_scale)),
-        (!diagram.missing.is_empty()).then_some(Key::Missing),
-        (!diagram.adopted.is_empty()).then_some(Key::Adopted),
-        (diagram.paths.len() > MOST_NAMED).then_some(Key::Unnamed),
-    ];
-    nodes
-        .map(Key::Node)
-        .chain(paths.map(Key::Path))
-        .chain(sources.map(Key::Source))
-        .chain(marks.into_iter().flatten())
-        .collect()
-}
-
-/// The key broken into rows of a width.
-fn key_rows(key: &[Key], width: f64) -> Vec<Vec<Key>> {
-    let mut rows: Vec<Vec<Key>> = vec![Vec::new()];
-    let mut x = 20.0;
-    for own in key {
-        let needed = own.mark_width() + text_width(&own.words(), SMALL);
-        if x + needed > width {
-            x = 20.0;
-            rows.push(Vec::new());
-        }
-        x += needed + 34.0;
-        rows.last_mut().into_iter().for_each(|row| row.push(*own));
-    }
-    rows
-}
-
-fn paint_key(canvas: &mut Canvas<'_>, key: &[Key], y: f64, width: f64) {
-    canvas.path(&[(0.0, y - 30.0), (width, y - 30.0)], super::palette::GRID, 2);
-    for (number, row) in key_rows(key, width).iter().enumerate() {
-        let (mut x, y) = (20.0, y + 8.0 + 46.0 * number as f64);
-        for own in row {
-            own.paint(canvas, (x, y));
-            x += own.mark_width();
-            canvas.text(&own.words(), (x, y), Lettering::new(SMALL, INK));
-            x += text_width(&own.words(), SMALL) + 34.0;
         }
     }
 }

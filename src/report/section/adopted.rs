@@ -1,7 +1,7 @@
 //! Adopted effects: what the pass adds to the model's physics, where, with which priors, and why.
 
 use crate::report::number::Shown;
-use crate::report::page::{Block, Cell, Column, Section, Table};
+use crate::report::page::{Block, Cell, Column, Section, Table, Text};
 use crate::report::view::PassReport;
 
 use super::Entry;
@@ -34,7 +34,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
                 Cell::code(&effect.equation),
                 place.into(),
                 applies.into(),
-                because.into(),
+                Text::with_names(&because).into(),
                 effect.source.clone().into(),
             ]
         })

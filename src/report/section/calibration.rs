@@ -164,7 +164,7 @@ fn verdict(output: &Output) -> Vec<Block> {
         );
         blocks.push(Block::callout(Tone::Warning, text));
     }
-    let words: Vec<Text> = output.findings.iter().chain(&output.warnings).map(|word| Text::new(word.clone())).collect();
+    let words: Vec<Text> = output.findings.iter().chain(&output.warnings).map(|word| Text::with_names(word)).collect();
     if !words.is_empty() {
         blocks.push(Block::paragraph("What to know about the parameters:"));
         blocks.push(Block::List(words));

@@ -41,7 +41,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
                 .plain(". Deviations are measured minus predicted: positive where the model is too low."),
         ));
         blocks.extend(where_it_fails(output));
-        let doubts = output.warnings.iter().map(|doubt| Block::callout(Tone::Warning, Text::new(doubt.clone())));
+        let doubts = output.warnings.iter().map(|doubt| Block::callout(Tone::Warning, Text::with_names(doubt)));
         blocks.extend(doubts);
         blocks.extend(sensors(output));
         blocks.extend(figures::figures(report, name, output));
@@ -107,7 +107,7 @@ fn where_it_fails(output: &Output) -> Vec<Block> {
         blocks.push(Block::callout(Tone::Verdict, "The comparison finds no place where the model fails."));
     } else {
         blocks.push(Block::paragraph("Where the model fails, worst first:"));
-        blocks.push(Block::List(output.fails.iter().map(|f| Text::new(f.clone())).collect()));
+        blocks.push(Block::List(output.fails.iter().map(|finding| Text::with_names(finding)).collect()));
     }
     blocks
 }

@@ -23,7 +23,8 @@ const SHARE: f64 = 0.99;
 /// Hexadecimal digits of a job's key that are shown; whole ones are under Provenance.
 const DIGITS: usize = 16;
 /// What is said of a requirement that no job judges.
-const NOT_JUDGED: &str = "no claim: no job of this pass judges it";
+const NOT_JUDGED: &str =
+    "no claim: no job of this pass judges it; a `predict` job would, or `propagate` where nothing was calibrated";
 
 /// A requirement in an environment, and what holds of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -109,7 +110,7 @@ fn table(rows: &[Judged]) -> Table {
             probability.into(),
             row.margin.clone().into(),
             row.state.clone().into(),
-            Cell::marked(row.verdict.as_str(), row.status),
+            Cell { text: Text::with_names(&row.verdict), status: Some(row.status) },
             Cell::from(Text::default().code(&row.job).plain(" ").code(short(&row.key))),
         ]
     };

@@ -494,7 +494,7 @@ fn method(job: &str, output: &Output) -> Text {
     ));
     if !output.because.is_empty() {
         text = text.plain("The estimator was left to the program: ").code(&output.estimator).plain(", because ");
-        text = text.plain(format!("{}. ", output.because));
+        text.0.extend(Text::with_names(&format!("{}. ", output.because)).0);
     }
     let found_count = output.candidates.iter().filter(|candidate| candidate.is_found).count();
     if found_count > 0 {

@@ -6,9 +6,10 @@ mod figures;
 mod heat;
 
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::{Amount, EffectResult, Output, RmseChange};
+use crate::diagnosis::output::{Amount, DiscriminatingExperiment, EffectResult, Output, RmseChange};
 use crate::document::{counted, p_stated, p_value};
 use crate::job::diagnose::Kind;
+use crate::measurement::Sensor;
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
@@ -65,7 +66,7 @@ fn change(values: [Option<f64>; 2]) -> String {
 
 /// What must be mended before the verdict is believed.
 fn before_the_verdict(output: &Output) -> impl Iterator<Item = Block> {
-    output.before_the_verdict().into_iter().map(|line| Block::callout(Tone::Warning, line))
+    output.before_the_verdict().into_iter().map(|line| Block::callout(Tone::Warning, Text::with_names(&line)))
 }
 
 /// The verdict and what it means, in a line.
@@ -247,10 +248,11 @@ fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {
         rows.push(vec!["then reads".into(), Cell::code(sensor), read.into()]);
     }
     let limits = if experiment.limits_ok { "" } else { " The red limits of a node are passed there." };
+    let beyond = extrapolation(report, experiment).unwrap_or_default();
     let several = if experiment.predictions.is_empty() { "" } else { " Readings in the order of the rivals." };
     Some(Block::Table(Table {
         caption: format!(
-            "A phase that would tell {} apart, with probability {}; repeating the best old phase: {}.{several}{limits}",
+            "A phase that would tell {} apart, with probability {}; repeating the best old phase: {}.{several}{limits}{beyond}",
             experiment.between.join(" | "),
             chance(experiment.probability),
             chance(experiment.repeat_probability)
@@ -259,6 +261,41 @@ fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {
         columns: vec![Column::text(""), Column::text("Input or sensor"), Column::text("Value")],
         rows,
     }))
+}
+
+/// Share of the measured span of temperatures by which a prediction may leave it before it counts as extrapolated.
+const BEYOND: f64 = 0.1;
+
+/// What must be said of a proposed phase in which the rivals predict temperatures far from all that were measured.
+fn extrapolation(report: &PassReport<'_>, experiment: &DiscriminatingExperiment) -> Option<String> {
+    let is_temperature =
+        |sensor: &Sensor| report.model.quantities.get(sensor.quantity).is_some_and(|own| own.is_temperature);
+    let readings = report.measurements.iter().flat_map(|own| {
+        let sensors = own.sensors.iter().cycle();
+        own.readings
+            .iter()
+            .zip(sensors)
+            .filter(|(_, sensor)| is_temperature(sensor))
+            .filter_map(|(reading, _)| *reading)
+    });
+    let [low, high] = range(readings)?;
+    let [least, most] = range(experiment.predictions.values().flatten().copied())?;
+    let allowed = BEYOND * (high - low);
+    let shown = Shown::celsius();
+    (most > high + allowed || least < low - allowed).then(|| {
+        format!(
+            " Extrapolated: measured were {} to {}; see first whether the hardware bears what is predicted.",
+            shown.number(low),
+            shown.text(high)
+        )
+    })
+}
+
+/// Least and largest of numbers.
+fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.fold(None, |known: Option<[f64; 2]>, value| {
+        Some(known.map_or([value; 2], |[low, high]| [low.min(value), high.max(value)]))
+    })
 }
 
 /// A number rounded to so many significant digits.
@@ -314,7 +351,7 @@ fn noise(output: &Output) -> Option<Block> {
         )
     } else {
         (
-            "Noise that was not wholly stated, as estimated from what the best pair of effects leaves.",
+            "Noise of the sensors as estimated from what the best pair of effects leaves, where the pass does not state all of it.",
             [Column::number("Correlation time", "s"), Column::number("Correlated share", "")],
         )
     };

@@ -104,7 +104,9 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
                 let of = pass.rmse_k.delivered;
                 let value = of.held_out.or(of.train).map_or_else(|| NONE.to_owned(), kelvin);
                 let what = if of.held_out.is_some() { "held-out " } else { "" };
-                text.plain(format!(" as delivered: RMSE {what}{value}; it was not tuned."))
+                text.plain(format!(" as delivered: RMSE {what}{value}; the pass has no job "))
+                    .code("calibrate")
+                    .plain(" that tunes it.")
             }
         };
     };
@@ -126,6 +128,11 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
         pairs.filter_map(|((before, after), word)| Some((change(&before, &after)?, fell(&before, &after), word)));
     let Some((change, fell, word)) = changes.into_iter().next() else { return text.plain(": no error to compare.") };
     text = text.plain(format!(": {change} ({word}, against ")).code(&before.pass).plain(")");
+    // Where the pass before was not tuned, what this one reaches is held against nothing.
+    let tuned = pass.rmse_k.tuned.held_out.or(pass.rmse_k.tuned.train).filter(|_| word != words[0]);
+    if let Some(tuned) = tuned {
+        text = text.plain(format!("; tuned {}", kelvin(tuned)));
+    }
     match fell {
         Some(false) => text.plain("; ").strong("the error did not fall").plain("."),
         _ => text.plain("."),
@@ -191,14 +198,15 @@ fn table(measured: &[&PassErrors]) -> Table {
         _ => "Within limit".to_owned(),
     };
     Table {
-        caption: "Readings for fitting / held out. Mean deviation (measured minus predicted) and share within the limit are of the \
+        caption: "Readings for fitting / held out. Untuned: at nominal parameters, as delivered; what a pass adopts stands at its \
+                  nominal size there, so that tuned errors alone tell whether it helped. Mean deviation (measured minus predicted) and share within the limit are of the \
                   tuned state where there is one. Reduced chi-square: sum of squares of the whitened residuals over readings less unknowns, \
                   by the noise of the calibration; a diagnosis that estimates the noise itself tells another. Evidence compares passes \
                   that fit the same readings."
             .into(),
         columns: vec![
             Column::text("Pass"),
-            Column::number("RMSE as delivered", "K"),
+            Column::number("RMSE untuned", "K"),
             Column::number("RMSE tuned", "K"),
             Column::number("Mean", "K"),
             Column::number(limit, ""),

@@ -86,12 +86,14 @@ pub(super) fn picture(report: &PassReport<'_>, is_small: bool) -> Option<Figure>
     diagram.missing.retain(|own| own.from < diagram.nodes.len() && own.to < diagram.nodes.len());
     let what: Vec<&str> = [
         (!diagram.missing.is_empty()).then_some("what is missing is dashed on a yellow band"),
-        (!diagram.adopted.is_empty()).then_some("adopted effects lie on a yellow band"),
+        (!(diagram.adopted.is_empty() && diagram.changed.is_empty()))
+            .then_some("what adopted effects add or change lies on a yellow band"),
     ]
     .into_iter()
     .flatten()
     .collect();
-    let what = if what.is_empty() { String::new() } else { format!("; {}", what.join(", ")) };
+    // In small the key below the picture says it.
+    let what = if what.is_empty() || is_small { String::new() } else { format!("; {}", what.join(", ")) };
     let missing: Vec<&str> = diagram.missing.iter().map(|own| own.label.as_str()).collect();
     let missing = if missing.is_empty() { String::new() } else { format!(" Marked: {}.", missing.join("; ")) };
     diagram.is_small = is_small;
@@ -101,7 +103,8 @@ pub(super) fn picture(report: &PassReport<'_>, is_small: bool) -> Option<Figure>
     Some(Figure {
         id: format!("{}network", prefix(is_small)),
         drawing: network(&diagram),
-        caption: format!("The network {of}{what}. Positions carry no meaning.").into(),
+        caption: format!("The network {of}{what}.{}", if is_small { "" } else { " Positions carry no meaning." })
+            .into(),
         alternative: format!(
             "Diagram of the thermal network {of}, with {} and {}.{missing} The section on the thermal model has the tables.",
             counted(diagram.nodes.len(), "box"),

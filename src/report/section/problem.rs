@@ -218,7 +218,7 @@ fn changes(report: &PassReport<'_>) -> Vec<Block> {
                 if change.because.trim().is_empty() {
                     Cell::marked("no reason given", crate::report::page::Status::Caution)
                 } else {
-                    Cell::from(change.because.clone())
+                    Cell::from(Text::with_names(&change.because))
                 },
             ]
         })

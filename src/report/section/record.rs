@@ -126,7 +126,7 @@ fn changes(report: &PassReport<'_>) -> Vec<Block> {
             Cell::code(&change.what),
             change.before.clone().into(),
             change.after.clone().into(),
-            change.because.clone().into(),
+            Text::with_names(&change.because).into(),
         ]
     });
     vec![

@@ -6,6 +6,7 @@ pub mod ladder;
 mod missing;
 mod outcome;
 
+use crate::document::counted;
 use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate};
 use crate::report::page::{Block, Figure, Section, Statement, Text, Tone};
 use crate::report::view::PassReport;
@@ -23,20 +24,19 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     let (headline, statements) = in_brief(report);
     let mut blocks: Vec<Block> = headline.map(|text| Block::callout(Tone::Verdict, text)).into_iter().collect();
     blocks.extend(outcome::next_step(report).map(|text| Block::callout(Tone::Next, text)));
-    if let Some((table, notes)) = ladder::table(report) {
-        blocks.push(Block::Table(table));
-        blocks.push(Block::Small(notes));
-    }
+    blocks.extend(data_warnings(report));
+    let (table, notes) = ladder::table(report).unzip();
+    blocks.extend(table.map(Block::Table));
     let pictures: Vec<Figure> = network::picture(report, true).into_iter().chain(main_picture(report)).collect();
     if !pictures.is_empty() {
         blocks.push(Block::Beside(pictures));
     }
+    // Below the pictures: their captions belong on the first screen before this.
+    blocks.extend(notes.map(Block::Small));
     if !statements.is_empty() {
         blocks.push(Block::Statements(statements));
     }
     blocks.extend(claims::objection_to_all(report).map(|text| Block::callout(Tone::Warning, text)));
-    let doubted = report.outputs::<diagnose::Kind>().flat_map(|(_, output)| output.before_the_verdict());
-    blocks.extend(doubted.map(|line| Block::callout(Tone::Warning, line)));
     if let Some(note) = &report.reconstructed {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }
@@ -55,6 +55,30 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
         ));
     }
     Some(Section { id: "summary", title: "Summary".into(), blocks })
+}
+
+/// What must be known of the data before anything is believed, in short; the sections have all of it.
+fn data_warnings(report: &PassReport<'_>) -> Option<Block> {
+    let mut lines: Vec<String> = Vec::new();
+    let doubts = report.outputs::<diagnose::Kind>().flat_map(|(_, output)| output.before_the_verdict());
+    let compared = report.outputs::<compare::Kind>().flat_map(|(_, output)| output.warnings.iter().cloned());
+    // Of what a diagnosis warns of, that which is about a sensor.
+    let sensors = || report.measurements.iter().flat_map(|own| &own.sensors);
+    let diagnosed = report.outputs::<diagnose::Kind>().flat_map(|(_, output)| output.warnings.iter().cloned());
+    let diagnosed = diagnosed.filter(|line| sensors().any(|sensor| line.contains(sensor.name.as_str())));
+    for line in doubts.chain(compared).chain(diagnosed) {
+        // A doubt with its remedy holds the bare one.
+        if !lines.iter().any(|own| own.contains(&line)) {
+            lines.push(line);
+        }
+    }
+    let (first, more) = lines.split_first()?;
+    let ended = first.trim_end_matches('.');
+    let more = match more.len() {
+        0 => ".".to_owned(),
+        count => format!("; {} below.", counted(count, "more warning")),
+    };
+    Some(Block::callout(Tone::Warning, Text::with_names(&format!("Data: {ended}{more}"))))
 }
 
 /// What came out and the key statements of the first screen.

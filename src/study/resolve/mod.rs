@@ -317,7 +317,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     if !scope.diagnostics.has_errors() {
         // What is wrong comes first.
         drift::doubts(&mut scope, form, &jobs, &mut measurements);
-        for doubt in std::mem::take(&mut scope.doubts) {
+        for doubt in plausible::said_once(std::mem::take(&mut scope.doubts)) {
             scope.diagnostics.push(doubt);
         }
     }

@@ -3,6 +3,7 @@
 use crate::document::{Amount, Diagnostic, Map, Place, Sense, WrittenUnit, code, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::measurement::Sensor;
+use crate::statistics::noise::noise;
 use crate::study::table::Header;
 
 use super::data::Data;
@@ -14,6 +15,10 @@ use super::scope::Scope;
 const FAR_WIDTHS: f64 = 1.0;
 /// What rounding may take a value beyond an end, in widths.
 const ROUNDING_WIDTHS: f64 = 1e-9;
+/// What noise may take a reading beyond an end, in its standard deviations: a dissipation that is off reads a little below 0.
+const NOISE_DEVIATIONS: f64 = 5.0;
+/// And in widths where one reading a phase tells no noise: the offset of a meter.
+const OFFSET_WIDTHS: f64 = 1e-3;
 /// Values in another unit are plausible where the largest of them is at least this share of the range's larger end: between
 /// units a thousand apart the nearer one is meant.
 const NEARER: f64 = 0.0316;
@@ -39,6 +44,14 @@ pub fn in_own_unit(scope: &Scope, input: usize, value: f64) -> String {
         Some(unit) => format!("{} {}", short(unit.from_si(value)), unit.text),
         None => short(value),
     }
+}
+
+/// What noise and offsets of a meter may take the readings of an input beyond an end of its range, in widths of the range.
+/// `series` says whether they follow one another in time, so that they tell their noise.
+fn tolerance(scope: &Scope, input: usize, readings: &[f64], series: bool) -> f64 {
+    let Some([lower, upper]) = scope.resolved.model.inputs[input].range else { return 0.0 };
+    let noise = noise(readings).filter(|_| series).unwrap_or(0.0);
+    OFFSET_WIDTHS.max(NOISE_DEVIATIONS * noise / (upper - lower))
 }
 
 /// The unit in which all values (SI as they were read) lie in the range of their input, where they are easily written in
@@ -104,6 +117,25 @@ fn tell(scope: &mut Scope, finding: Diagnostic) {
     }
 }
 
+/// Of warnings that one input leaves its range in several measurements the first is kept, and names the other places.
+pub fn said_once(doubts: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let mut kept: Vec<Diagnostic> = Vec::new();
+    let help = |finding: &Diagnostic| finding.help.clone();
+    for doubt in doubts {
+        // The help names the input, and the unit that is meant.
+        let is_same = |own: &&mut Diagnostic| own.code == doubt.code && help(own) == help(&doubt);
+        match kept.iter_mut().find(is_same).filter(|_| doubt.code == &code::INPUT_RANGE) {
+            Some(first) => {
+                if first.related.len() < NAMED {
+                    first.related.push((doubt.place, "and here".to_owned()));
+                }
+            }
+            None => kept.push(doubt),
+        }
+    }
+    kept
+}
+
 /// Checks constant values of inputs against their ranges.
 pub fn constants(scope: &mut Scope, given: &Map<Amount>, base: &[f64]) {
     for entry in given {
@@ -120,7 +152,7 @@ pub fn constants(scope: &mut Scope, given: &Map<Amount>, base: &[f64]) {
 }
 
 /// Checks the cells of a file: inputs against their ranges in the rows that drive the model, temperatures against
-/// absolute zero in those that are read. One finding a column, at its first cell that is an error, else at its worst.
+/// absolute zero in those that are read. `series` says that the rows follow one another in time. One finding a column, at its first cell that is an error, else at its worst.
 pub fn cells(
     scope: &mut Scope,
     data: &Data,
@@ -128,6 +160,7 @@ pub fn cells(
     sensors: &[&Sensor],
     drives: &dyn Fn(usize) -> bool,
     is_read: &dyn Fn(usize) -> bool,
+    series: bool,
 ) {
     for ((input, values), read) in parts.inputs.iter().zip(&parts.input_columns) {
         let is_absolute = scope.resolved.input_scales[*input].unit.as_ref().is_some_and(|unit| unit.has_offset());
@@ -140,7 +173,9 @@ pub fn cells(
             below_zero(scope, data, read.column, &name, &cold, values[cold[0]]);
             continue;
         }
-        let out: Vec<usize> = rows.iter().copied().filter(|&row| beyond(scope, *input, values[row]) > 0.0).collect();
+        let tolerance = tolerance(scope, *input, &rows.iter().map(|&row| values[row]).collect::<Vec<_>>(), series);
+        let is_out = |row: &usize| beyond(scope, *input, values[*row]) > tolerance;
+        let out: Vec<usize> = rows.iter().copied().filter(is_out).collect();
         let far = out.iter().copied().find(|&row| beyond(scope, *input, values[row]) > FAR_WIDTHS);
         let worst = out.iter().copied().max_by(|&a, &b| {
             beyond(scope, *input, values[a]).total_cmp(&beyond(scope, *input, values[b])).then(b.cmp(&a))

@@ -87,7 +87,7 @@ fn table(
     said_twice(scope, &form.inputs, &parts);
     let is_used = |row: usize| form.ignore.get(&columns.phases[row]).is_none();
     let sensors: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
-    plausible::cells(scope, &data, &parts, &sensors, &is_used, &is_used);
+    plausible::cells(scope, &data, &parts, &sensors, &is_used, &is_used, false);
     let given = [(String::new(), said(scope, &parts, &[&form.inputs]))];
     plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors, &columns.spare);
     let mut phases = Vec::new();
@@ -251,7 +251,7 @@ fn from_windows(
     let sensors: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
     for series in &all {
         let is_used = |row: usize| series.used[row];
-        plausible::cells(scope, &series.data, &series.parts, &sensors, &is_used, &is_used);
+        plausible::cells(scope, &series.data, &series.parts, &sensors, &is_used, &is_used, true);
     }
     let spare: Vec<Header> = all.iter_mut().flat_map(|series| std::mem::take(&mut series.spare)).collect();
     plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &sensors, &spare);

@@ -62,7 +62,7 @@ pub fn transient(
     let ignored = ignored_rows(scope, form, &times_s);
     let used: Vec<&Sensor> = list.iter().map(|(_, sensor)| sensor).collect();
     plausible::unsaid(scope, &entry.name, &entry.name_place, &given, &used, &columns.spare);
-    plausible::cells(scope, &data, &parts, &used, &|_| true, &|row| ignored[row].is_none());
+    plausible::cells(scope, &data, &parts, &used, &|_| true, &|row| ignored[row].is_none(), true);
     let mut readings = Vec::with_capacity(times_s.len() * list.len());
     for row in 0..times_s.len() {
         readings.extend(parts.sensors.iter().map(|sensor| sensor.values[row]));

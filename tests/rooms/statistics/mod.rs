@@ -7,6 +7,7 @@ mod interval;
 mod kolmogorov;
 mod moments;
 mod monte_carlo;
+mod noise;
 mod poincare;
 mod quantile;
 mod regression;

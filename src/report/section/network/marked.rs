@@ -4,6 +4,7 @@ use crate::diagnosis::output::EffectResult;
 use crate::job::diagnose;
 use crate::report::number::{significant, with_unit};
 use crate::report::plot::{Diagram, Missing, Path};
+use crate::report::section::diagnosis::amount;
 use crate::report::view::PassReport;
 use crate::study::AdoptedEffect;
 
@@ -19,17 +20,35 @@ fn path_of(effect: &str) -> Path {
     if effect.contains("radiat") { Path::Radiation } else { Path::Conductor }
 }
 
+/// Whether an effect is a path of a kind that is drawn so, and no other flow of heat.
+fn is_path(effect: &str) -> bool {
+    ["radiat", "conduct", "path"].iter().any(|word| effect.contains(word))
+}
+
 /// Marks a diagram; `place` says which box of it stands for a node.
 pub(super) fn mark(report: &PassReport<'_>, diagram: &mut Diagram, place: impl Fn(usize) -> usize) {
     for (name, path, ..) in &mut diagram.paths {
         if let Some(effect) = adopted(report, name) {
             diagram.adopted.push(name.clone());
             // To the solver it is a heat flow; to people it is what its effect says.
-            if effect.effect.ends_with("-path") {
+            if is_path(&effect.effect) {
                 *path = path_of(&effect.effect);
             }
         }
     }
+    let of_sources = diagram.sources.iter().map(|own| &own.0).filter(|name| adopted(report, name).is_some());
+    // A node of an effect is named after it, `NAME.hidden`.
+    let is_of =
+        |name: &str, effect: &AdoptedEffect| name.strip_prefix(&effect.name).is_some_and(|rest| rest.starts_with('.'));
+    let of_nodes =
+        diagram.nodes.iter().map(|own| &own.0).filter(|name| report.adopted.iter().any(|own| is_of(name, own)));
+    // What an effect changes has its place's name.
+    let is_changed = |name: &&String| report.adopted.iter().any(|effect| effect.place == [(*name).clone()]);
+    let changed =
+        diagram.paths.iter().map(|own| &own.0).chain(diagram.sources.iter().map(|own| &own.0)).filter(is_changed);
+    let added: Vec<String> = of_sources.chain(of_nodes).cloned().collect();
+    diagram.changed = changed.cloned().collect();
+    diagram.adopted.extend(added);
     if let Some((_, output)) = report.outputs::<diagnose::Kind>().next() {
         let selected = output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id));
         diagram.missing = selected.filter_map(|effect| missing(report, effect, &place)).collect();
@@ -45,11 +64,15 @@ fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize)
         let size = if most >= -least { most } else { -least };
         format!(", {}", with_unit(&significant(size, 2), "W"))
     });
-    let label = format!("missing: {}{watts}", effect.effect.replace('-', " "));
+    let is_node = effect.effect.contains("hidden-node");
+    // Of a node its coupling counts: heat that it stores goes to and fro.
+    let coupling = effect.amplitudes.get("conductance").filter(|_| is_node);
+    let size = coupling.map_or(watts, |size| format!(", {}", amount(size)));
+    let label = format!("missing: {}{size}", effect.effect.replace('-', " "));
     let path = path_of(&effect.effect);
     match (effect.where_kind.as_str(), nodes?.as_slice()) {
-        ("nodes", &[from, to]) if from != to => Some(Missing { label, path, from, to }),
-        ("node", &[at]) => Some(Missing { label, path, from: at, to: at }),
+        ("nodes", &[from, to]) if from != to => Some(Missing { label, path, from, to, is_node }),
+        ("node", &[at]) => Some(Missing { label, path, from: at, to: at, is_node }),
         _ => None,
     }
 }

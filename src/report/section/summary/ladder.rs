@@ -33,7 +33,7 @@ pub(super) fn table(report: &PassReport<'_>) -> Option<(Table, Text)> {
     for (name, output) in outputs.filter(|(_, output)| self::unit(output) == unit) {
         for (position, standing) in standings(output).into_iter().enumerate() {
             // As delivered, several comparisons of the same readings and the pass before say the same.
-            if position == 0 && rungs.iter().any(|rung| rung.standing == standing) {
+            if position == 0 && (is_half_way(output, report) || rungs.iter().any(|rung| rung.standing == standing)) {
                 continue;
             }
             let state = state(report, position > 0, rungs.is_empty());
@@ -50,6 +50,11 @@ pub(super) fn table(report: &PassReport<'_>) -> Option<(Table, Text)> {
         rungs.extend(proposed(report, output, is_tuned));
     }
     Some(laid_out(&rungs, &unit, noise))
+}
+
+/// Whether the first state of a comparison is none that anybody uses: effects at nominal size, beside the tuned one.
+fn is_half_way(output: &compare::Output, report: &PassReport<'_>) -> bool {
+    !report.adopted.is_empty() && output.tuned.is_some()
 }
 
 /// What a state is called.
@@ -91,7 +96,8 @@ fn before(report: &PassReport<'_>) -> Vec<Rung> {
     let mut rungs: Vec<Rung> = Vec::new();
     for pass in chain {
         for (position, standing) in pass.standings.iter().enumerate() {
-            if position == 0 && rungs.iter().any(|rung| rung.standing == *standing) {
+            let is_half_way = !pass.adopted.is_empty() && pass.standings.len() > 1;
+            if position == 0 && (is_half_way || rungs.iter().any(|rung| rung.standing == *standing)) {
                 continue;
             }
             let ids: Vec<&str> = pass.adopted.iter().map(String::as_str).collect();
@@ -150,21 +156,21 @@ pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> (Table, 
     let shown = typeset(unit);
     let mut columns = vec![Column::text("State of the model")];
     if has_fitted {
-        columns.push(Column::number("Error, fitted", shown.clone()));
+        columns.push(Column::number("Fitted", shown.clone()));
     }
     if has_unseen {
-        columns.push(Column::number("Error, unseen", shown.clone()));
+        columns.push(Column::number("Unseen", shown.clone()));
     }
     if has_held_out {
-        columns.push(Column::number("Error, held out", shown.clone()));
+        columns.push(Column::number("Held out", shown.clone()));
     }
     if has_criteria {
-        columns.push(Column::text("Criteria kept"));
+        columns.push(Column::text("Criteria"));
     }
     columns.extend([
         Column::text("Worst sensor"),
-        Column::number("its mean", shown.clone()),
-        Column::number("its largest", shown.clone()),
+        Column::number("Mean", shown.clone()),
+        Column::number("Largest", shown.clone()),
     ]);
     let rows = (rungs.iter())
         .map(|Rung { state, standing, unseen }| {
@@ -201,9 +207,8 @@ pub fn laid_out(rungs: &[Rung], unit: &str, noise: Option<[f64; 2]>) -> (Table, 
             if low == high { shown.text(low) } else { format!("{} to {}", shown.number(low), shown.text(high)) };
         format!("; the sensors' noise is {range}")
     });
-    let caption = format!(
-        "States of the model on the same readings. Error: root mean square of measured minus predicted{noise}."
-    );
+    let caption =
+        format!("States of the model on the same readings: root mean square of measured minus predicted{noise}.");
     (Table { caption: caption.into(), columns, rows }, notes(rungs, has_held_out, has_unseen).into())
 }
 
@@ -216,9 +221,7 @@ fn notes(rungs: &[Rung], has_held_out: bool, has_unseen: bool) -> String {
              well; held out: readings that had no part in either. Only the diagnosis chooses by such readings; other states \
              have no such error."
         }
-        (true, false) => {
-            "Held out: used by no fit and no choice of effects in this pass; there are none between (unseen)."
-        }
+        (true, false) => "Held out: readings that no fit and no choice of effects of this pass used.",
     };
     let judged = |of: fn(&Standing) -> bool| {
         rungs.iter().any(|rung| of(&rung.standing)) && rungs.iter().any(|rung| !of(&rung.standing))

@@ -15,6 +15,8 @@ use crate::report::section::validation::{Rests, claim};
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
 
+/// Letters of the rivals' ids that a line of the next step has room for.
+const MOST_LETTERS: usize = 70;
 /// Draws next to a bound, above which a parameter is said to press against it.
 const PRESSES: f64 = 0.05;
 /// Probability of so large a misfit by noise alone, below which a tuned model does not explain its data.
@@ -114,8 +116,17 @@ fn of_error(report: &PassReport<'_>, is_first: bool) -> Option<Text> {
     let [delivered, ..] = states.as_slice() else { return None };
     let what = if delivered.held_out.is_some() { "Held-out error" } else { "Error" };
     let error = shown.text(delivered.error()?);
-    // With an adopted effect at nominal size the model is no longer the delivered one.
+    // With an adopted effect at nominal size the model is no longer the delivered one, and no state that anybody uses.
     let untuned = if report.adopted.is_empty() { "as delivered" } else { "untuned with the adopted effects" };
+    if let Some(tuned) = states.get(1).filter(|_| !report.adopted.is_empty()) {
+        let text = Text::new(format!("{what} {} tuned with the adopted effects", shown.text(tuned.error()?)));
+        return Some(match tuned_before(report, delivered.held_out.is_some()) {
+            Some((pass, before)) => {
+                text.plain(format!(", {} tuned without them (", shown.text(before))).code(pass).plain(").")
+            }
+            None => text.plain(format!(", {error} before tuning.")),
+        });
+    }
     if let Some(tuned) = states.get(1) {
         return Some(format!("{what} {error} {untuned}, {} after tuning.", shown.text(tuned.error()?)).into());
     }
@@ -123,6 +134,15 @@ fn of_error(report: &PassReport<'_>, is_first: bool) -> Option<Text> {
     let Some(worst) = delivered.worst.as_ref().filter(|_| is_first) else { return Some(text) };
     let (mean, largest) = (with_unit(&signed(worst.mean, 2), &shown.unit), shown.text(worst.largest));
     Some(text.plain(" Worst: ").code(&worst.name).plain(format!(", {mean} on average, {largest} at most.")))
+}
+
+/// The nearest earlier pass that is tuned on the same readings without the effects of this one, with its error in K.
+fn tuned_before<'r>(report: &'r PassReport<'_>, held_out: bool) -> Option<(&'r str, f64)> {
+    let history = report.history.as_ref()?;
+    let own = history.passes.iter().find(|pass| pass.pass == report.pass_file)?;
+    let before = history.before(own).filter(|before| before.has_readings_of(own) && before.adopted != own.adopted)?;
+    let tuned = before.rmse_k.tuned;
+    Some((before.pass.as_str(), if held_out { tuned.held_out? } else { tuned.train? }))
 }
 
 /// Parameters that press against a bound of their priors.
@@ -216,13 +236,21 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
             Verdict::Identified => {
                 return Some(Text::default().code(adopt).plain(" writes the next pass with it; then run it."));
             }
-            Verdict::Ambiguous if output.discriminating_experiment.is_some() => {
-                let text = Text::new("Measure the phase that would part the rivals: ").code(command("diagnose"));
-                return Some(text.plain(" names it."));
+            Verdict::Ambiguous if parted(output).is_some() => {
+                let rivals = parted(output).unwrap_or_default();
+                let mut text = Text::new("Measure a phase that tells ");
+                if rivals.iter().map(String::len).sum::<usize>() > MOST_LETTERS {
+                    text = text.plain(format!("the {} rivals apart", rivals.len()));
+                } else {
+                    for (position, rival) in rivals.iter().enumerate() {
+                        text = text.plain(if position == 0 { "" } else { " from " }).code(rival);
+                    }
+                }
+                return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
             }
             Verdict::Ambiguous | Verdict::Unexplained => {
                 let text = Text::default().code(command("diagnose"));
-                return Some(text.plain(" lists the rivals, the missing heat and what was tried."));
+                return Some(text.plain(" lists what else it could be, the missing heat and what was tried."));
             }
             Verdict::Adequate => {}
         }
@@ -240,6 +268,13 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
         return Some(text.code(format!("bmv import csv LOG... --into {}", report.study)).plain("."));
     }
     Some(last_step(report))
+}
+
+/// The rivals that a proposed phase would part; none without such a phase, or where nothing rivals.
+fn parted(output: &Diagnosis) -> Option<&[String]> {
+    let experiment = output.discriminating_experiment.as_ref()?;
+    (experiment.between.len() > 1 && !experiment.conditions.is_empty() && experiment.limits_ok)
+        .then_some(experiment.between.as_slice())
 }
 
 /// What is left where no job says what to do: the design that meets the requirement, or the archive.

@@ -1,3 +1,4 @@
+mod between_rows;
 mod dialect;
 mod instant;
 mod proposal;

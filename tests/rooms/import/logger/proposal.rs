@@ -16,7 +16,7 @@ fn two_files_of_a_german_logger_become_one_clean_table() {
     let files = [("a.csv".to_owned(), first.to_owned()), ("b.csv".to_owned(), second.to_owned())];
     let settings = Settings { time: None, channels: Some(("map.csv".into(), map.into())) };
     let record = read(&files, &settings).expect("understood");
-    let proposal = propose(&record, &known(), "data/log.csv");
+    let proposal = propose(&record, &known(), &Said::default(), "data/log.csv").expect("proposed");
     assert_eq!(proposal.csv, "time [s],TC1 [degC],Panel [degC],Q_box [W]\n0,20.5,21,5\n10,20.75,21.5,5.5\n30,,,\n");
     assert_eq!((proposal.sensors.len(), proposal.inputs.as_slice()), (2, &["Q_box".to_owned()][..]));
     assert_eq!(proposal.measurement["transient"]["sensors"]["TC1"]["measures"], "box");

@@ -42,3 +42,14 @@ fn linear_inputs_give_equal_parts_that_cover_every_row_once() {
     assert_eq!((cut[0].from, cut[9].to), (0, 37));
     assert!(cut.windows(2).all(|pair| pair[0].to == pair[1].from));
 }
+
+#[test]
+fn the_worst_stretch_of_a_sensor_is_where_its_own_error_is_largest() {
+    // Three held levels: errors of 0.1, then 2, then one spike of 3 among zeros, of which the root mean square is 1.3.
+    let levels = (0..15).map(|row| f64::from(row / 5)).collect();
+    let m = transient(true, levels, vec![false; 15]);
+    let error = |row: usize| [0.1, 2.0, if row == 12 { 3.0 } else { 0.0 }][row / 5];
+    let deviations: Vec<(f64, f64)> = (0..15).map(|row| (10.0 * row as f64, error(row))).collect();
+    assert_eq!(worst(&m, &deviations).as_deref(), Some("50 to 90 s"));
+    assert_eq!(worst(&m, &[]), None);
+}
