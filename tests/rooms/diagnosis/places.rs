@@ -15,7 +15,7 @@ fn representatives_are_far_apart_and_have_their_neighbours() {
     // Two bundles of nodes, and one node apart.
     let column = |node: usize| match node {
         129 => vec![0.0, -50.0],
-        _ if node % 2 == 0 => vec![100.0 + 1e-3 * node as f64, 0.0],
+        _ if node.is_multiple_of(2) => vec![100.0 + 1e-3 * node as f64, 0.0],
         _ => vec![0.0, 100.0 - 1e-3 * node as f64],
     };
     let signature = |index| Signature { index, column: column(index), ..Signature::default() };
