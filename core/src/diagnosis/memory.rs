@@ -18,7 +18,7 @@ const COPIES: usize = 3;
 /// Bytes of a candidate with its names, and of what its directions and expressions take beside their columns.
 const CANDIDATE_BYTES: usize = 20 << 10;
 /// Bytes of an element in expressions, programs and factors of the networks that are fitted at a time.
-const ELEMENT_BYTES: usize = 24 << 10;
+const ELEMENT_BYTES: usize = 96 << 10;
 
 /// About how much memory so many candidates take, whose columns have so many rows, in a model of so many elements, bytes.
 pub fn bytes(candidates: usize, rows: usize, elements: usize) -> u64 {
