@@ -49,12 +49,24 @@ bench:
     cargo build --release && cargo bench --package bmv-benches
 
 # studies of grids of nodes with a hidden path, what each verb takes on them, and how that grows
-sizes +nodes="30 100 300 1000 10000":
+sizes +nodes="10 30 100 300 1000 3000 5000 10000":
     cargo build --release && benches/sizes/run.sh target/release/bmv {{nodes}}
+
+# propagation where every node also radiates to two others anywhere, so that factors fill in
+scattered +nodes="100 300 1000":
+    cargo build --release && GRID="--scattered 2" VERBS="plan propagate" benches/sizes/run.sh target/release/bmv {{nodes}}
+
+# comparison and report of 10,000 rows of 200 sensors
+readings:
+    cargo build --release && GRID="--sensors 200 --rows 1000 --noise --jobs compare" VERBS="plan compare report" benches/sizes/run.sh target/release/bmv 300
+
+# 64 conductivities of the Poisson benchmark calibrated, and held against an independent sampler of numpy and scipy
+poisson:
+    cargo build --release && python3 tests/reference/poisson/posterior.py target/release/bmv target/poisson
 
 # the same on one record of 30 nodes: ten phases of so many rows, so many sensors, and by how many kelvin the sink steps in every row
 record rows="200" sensors="6" swing="0" sampler="independence-metropolis":
-    cargo build --release && ROWS={{rows}} SENSORS={{sensors}} SWING={{swing}} SAMPLER={{sampler}} benches/sizes/run.sh target/release/bmv 30
+    cargo build --release && GRID="--sensors {{sensors}} --rows {{rows}} --swing {{swing}}" SAMPLER={{sampler}} benches/sizes/run.sh target/release/bmv 30
 
 # how soon reports of 43 phases and of 10 transients of 10,000 rows, 20 sensors each, are painted in a headless Chromium, and how large they are
 first-paint:

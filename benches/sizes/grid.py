@@ -1,20 +1,21 @@
 """Writes a study of a spacecraft of panels that are grids of nodes, with synthetic readings of a hidden path.
 
-usage: grid.py FOLDER NODES SENSORS PHASES [ROWS [SWING]]
+usage: grid.py FOLDER NODES [--sensors 20] [--phases 10] [--rows 0] [--swing 0] [--scattered 0] [--noise] [--jobs KIND...]
 
-Steady phases; with ROWS each phase is that many rows of one transient, two minutes apart. Its inputs are constant, but with
-SWING the sink steps in every row, by so many kelvin (one standard deviation) about the phase's. Above 5000 nodes nothing is
-solved here, and the readings are noise about one temperature: enough for `plan` and `compare`.
+Steady phases; with `--rows` each phase is that many rows of one transient, two minutes apart. Its inputs are constant, but with
+`--swing` the sink steps in every row, by so many kelvin (one standard deviation) about the phase's. With `--scattered` each node
+radiates to so many others, drawn from all, as through an open interior. Then, with `--noise` and above 5000 nodes nothing is
+solved here, and the readings are noise about one temperature: enough for `plan`, `compare` and `propagate`. `--jobs` keeps those kinds alone.
 
 Ten parameters: contacts, emittances and powers shared by many elements, so groups follow from the model. The readings are of
 this network with parameters of its own and a strap between two nodes that the model lacks, and noise of 0.1 K.
 """
 
+import argparse
 import json
 import math
 import pathlib
 import random
-import sys
 
 SIGMA = 5.670374419e-8
 STRAP_W_K = 0.25
@@ -126,10 +127,12 @@ def advance(temperature, links, strap, views, values, sink_k, powers):
     return temperature
 
 
-def main(folder, nodes, sensors, phases, rows_each="0", swing="0"):
-    nodes, sensors, phases, rows_each, swing = int(nodes), int(sensors), int(phases), int(rows_each), float(swing)
+def main(folder, nodes, sensors, phases, rows_each, swing, scattered, noise, jobs):
+    noise = noise or scattered > 0 or nodes > MOST_SOLVED
     draw, swings = random.Random(nodes), random.Random(-nodes)
     panels, links, views = network(nodes)
+    others = random.Random(nodes + 1)
+    across = [(n, (n + others.randrange(1, nodes)) % nodes) for n in range(nodes) for _ in range(scattered)]
     name = lambda node: f"n{node}"
     units = [nodes // 7, nodes // 2, (6 * nodes) // 7]
     nominal = {
@@ -158,6 +161,10 @@ def main(folder, nodes, sensors, phases, rows_each="0", swing="0"):
         },
         "radiations": {
             f"r{n}": {"between": [name(n), "shroud"], "exchange_area": f"{area:.6g}*{key}"} for n, key, area in views
+        }
+        | {
+            f"x{k}": {"between": [name(a), name(b)], "exchange_area": f"{0.2 / nodes:.6g}*eps_black"}
+            for k, (a, b) in enumerate(across)
         },
         "loads": {f"unit {k}": {"into": name(node), "power": f"f_{k}*Q_{k}"} for k, node in enumerate(units)},
         "quantities": {"warmest unit": {"temperature": name(units[1])}},
@@ -177,9 +184,10 @@ def main(folder, nodes, sensors, phases, rows_each="0", swing="0"):
             now = round(sink + swing * swings.gauss(0, 1), 2)
             readings = [f"{temperatures[n] + draw.gauss(0, 0.1):.3f}" for n in measured]
             rows.append([str(120 * len(rows)), f"{now:.2f}", *[f"{p:.2f}" for p in power], *readings])
-            temperatures = advance(temperatures, *panel_network, now if swing else sink, powers)
+            if not noise:
+                temperatures = advance(temperatures, *panel_network, now if swing else sink, powers)
         if not rows_each:
-            exact = solve(nodes, *panel_network, sink, powers) if nodes <= MOST_SOLVED else [START_K] * nodes
+            exact = [START_K] * nodes if noise else solve(nodes, *panel_network, sink, powers)
             readings = [f"{exact[n] + draw.gauss(0, 0.1):.3f}" for n in measured]
             rows.append([f"P{phase:02}", f"{sink:.2f}", *[f"{p:.2f}" for p in power], *readings])
     first = "time [s]" if rows_each else "phase"
@@ -203,8 +211,20 @@ def main(folder, nodes, sensors, phases, rows_each="0", swing="0"):
             "tuned": {"calibrate": {"data": ["test"]}},
         },
     }
+    if jobs:
+        study_pass["jobs"] = {name: job for name, job in study_pass["jobs"].items() if next(iter(job)) in jobs}
     (study / "pass-1.json").write_text(json.dumps(study_pass, indent=1))
     (study / "truth.json").write_text(json.dumps({"truth": [{"effect": "conductive-path", "where": [name(n) for n in strap]}]}))
 
 
-main(*sys.argv[1:])
+parser = argparse.ArgumentParser()
+parser.add_argument("folder")
+parser.add_argument("nodes", type=int)
+parser.add_argument("--sensors", type=int, default=20)
+parser.add_argument("--phases", type=int, default=10)
+parser.add_argument("--rows", type=int, default=0, dest="rows_each")
+parser.add_argument("--swing", type=float, default=0.0)
+parser.add_argument("--scattered", type=int, default=0)
+parser.add_argument("--noise", action="store_true")
+parser.add_argument("--jobs", nargs="*", default=[])
+main(**vars(parser.parse_args()))

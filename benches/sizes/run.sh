@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Times the verbs on grids of several numbers of nodes: seconds, CPU seconds and memory; and the exponents of the CPU seconds.
-# usage: [SENSORS=M] [PHASES=P] [ROWS=N [SWING=K]] [SAMPLER=NAME] [VERBS="plan compare ..."] run.sh BMV NODES...
-# Ten steady phases of 20 sensors. With ROWS one transient of so many phases of N rows (6 sensors), whose sink steps by K in every
-# row; SAMPLER calibrates another way than by default. Above 5000 nodes only `plan` and `compare` are asked.
+# usage: [GRID="--sensors M --phases P ..."] [SAMPLER=NAME] [VERBS="plan compare ..."] run.sh BMV NODES...
+# GRID is what `grid.py` takes. Where VERBS does not say: `plan`, `compare` and `propagate` of all, the rest of what is affordable.
+# SAMPLER calibrates another way than by default. `diagnose` is asked on 60 sensors and 12 phases unless GRID says otherwise.
 set -euo pipefail
 bmv="$(realpath "$1")"
 here="$(cd "$(dirname "$0")" && pwd)"
@@ -11,25 +11,31 @@ work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 printf '%-6s %-12s %8s %8s %8s\n' nodes verb wall_s cpu_s MiB
 for nodes in "$@"; do
-  if [ -n "${ROWS:-}" ]; then
-    python3 "$here/grid.py" "$work/$nodes" "$nodes" "${SENSORS:-6}" "${PHASES:-10}" "$ROWS" "${SWING:-0}"
-  else
-    python3 "$here/grid.py" "$work/$nodes" "$nodes" "${SENSORS:-20}" "${PHASES:-10}"
-  fi
-  if [ -n "${SAMPLER:-}" ]; then
-    sed -i "s/\"calibrate\": {/&\"sampler\": \"$SAMPLER\", /" "$work/$nodes/pass-1.json"
-  fi
-  verbs="${VERBS:-plan compare propagate sensitivity calibrate diagnose}"
-  if [ "$nodes" -gt 5000 ]; then verbs="plan compare"; fi
-  for verb in $verbs; do
+  verbs="plan compare propagate"
+  if [ "$nodes" -le 1000 ]; then verbs="$verbs sensitivity calibrate"; fi
+  if [ "$nodes" -le 5000 ]; then verbs="$verbs diagnose"; fi
+  for verb in ${VERBS:-$verbs}; do
+    grid="${GRID:-}"
+    if [ -z "$grid" ] && [ "$verb" = diagnose ]; then grid="--sensors 60 --phases 12"; fi
+    study="$work/$nodes$grid"
+    if [ ! -d "$study" ]; then
+      # shellcheck disable=SC2086
+      python3 "$here/grid.py" "$study" "$nodes" $grid
+      if [ -n "${SAMPLER:-}" ]; then
+        sed -i "s/\"calibrate\": {/&\"sampler\": \"$SAMPLER\", /" "$study/pass-1.json"
+      fi
+    fi
     case "$verb" in
       propagate | sensitivity | calibrate) command="run --job $verb" ;;
+      report) command="report --out $work/report" ;;
       *) command="$verb" ;;
     esac
-    /usr/bin/time -f '%e %U %S %M' -o "$work/time" "$bmv" $command "$work/$nodes/pass-1.json" --cache "$work/cache-$nodes" > "$work/out" 2>&1 || true
+    # shellcheck disable=SC2086
+    /usr/bin/time -f '%e %U %S %M' -o "$work/time" "$bmv" $command "$study/pass-1.json" --cache "$work/cache-$nodes" > "$work/out" 2>&1 || true
     awk -v n="$nodes" -v v="$verb" 'NF == 4 { printf "%-6s %-12s %8.2f %8.2f %8.0f\n", n, v, $1, $2 + $3, $4 / 1024 }' "$work/time" | tee -a "$work/all"
+    # What went wrong, and what a diagnosis found.
+    grep -E '^error[:[]|^- Missing' "$work/out" || true
   done
-  grep -E '^- Missing' "$work/out" || true
 done
 # Slopes of the logarithm of the CPU seconds over that of the number of nodes, by least squares.
 awk '

@@ -17,6 +17,12 @@ pub fn check(needed: &[Preview]) -> Result<(), BatchError> {
     refused(needed, machine_bytes())
 }
 
+/// What people should know of the memory that jobs take, a line each.
+pub fn notes(needed: &[Preview]) -> Vec<String> {
+    let large = needed.iter().filter(|job| job.memory_bytes >= WORTH_TELLING);
+    large.map(|job| format!("{} takes about {} of memory", escaped(&job.job), bytes_text(job.memory_bytes))).collect()
+}
+
 /// Refuses what needs more memory than so many bytes.
 ///
 /// # Errors
@@ -27,7 +33,7 @@ pub fn refused(needed: &[Preview], there_bytes: u64) -> Result<(), BatchError> {
         .map(|job| {
             format!(
                 "`{}` needs about {} of memory, this machine has {}: give it fewer `samples` (or `draws`), or a sweep of \
-                 fewer `steps`",
+                 fewer `steps`, or less `data` and fewer `effects`",
                 escaped(&job.job),
                 bytes_text(job.memory_bytes),
                 bytes_text(there_bytes)

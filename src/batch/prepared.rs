@@ -187,6 +187,11 @@ impl Prepared {
         Ok((Self { passes, parents, plan: Plan::new(nodes)?, only }, without))
     }
 
+    /// What jobs that would run take of memory, where that is much: a line each.
+    pub fn memory_notes(&self, cache: &Cache, force: bool) -> Vec<String> {
+        memory::notes(&self.plan.preview(cache, Some(&self.only), force, &WorkHistory::default()))
+    }
+
     /// Runs what is wanted and not in the cache; Ctrl-C stops it.
     ///
     /// # Errors

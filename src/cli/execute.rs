@@ -90,7 +90,9 @@ pub fn prepare(
 /// summary.
 pub fn run(prepared: Prepared, options: &RunOptions, context: &Context) -> Result<Executed, Failure> {
     let run = |prepared: Prepared, cache: &Cache, listener: &dyn Listener| {
-        prepared.run(options.settings(), cache, &context.interrupts, listener)
+        let settings = options.settings();
+        prepared.memory_notes(cache, settings.force).iter().for_each(|note| tell(note));
+        prepared.run(settings, cache, &context.interrupts, listener)
     };
     Ok(run_listened(prepared, &options.cache, run)?)
 }

@@ -59,10 +59,10 @@ fn groups(pass: &bmv::study::Pass) -> Vec<GroupPlace> {
     let sensors = sensor_places(pass.measurements.iter());
     let bonded = sensors.into_iter().filter(|sensor| sensor.name != "TC detector").collect();
     vec![
-        GroupPlace { name: "surfaces".into(), site: Site::Nodes(vec![(node("box"), 1.0), (node("panel"), 0.5)]) },
-        GroupPlace { name: "joints".into(), site: Site::Elements(vec![element("bolts"), element("strap")]) },
-        GroupPlace { name: "layers".into(), site: Site::Elements(vec![element("inside"), element("outside")]) },
-        GroupPlace { name: "powers".into(), site: Site::Elements(vec![element("board")]) },
+        GroupPlace { name: "surfaces".into(), site: Site::Nodes([(node("box"), 1.0), (node("panel"), 0.5)].into()) },
+        GroupPlace { name: "joints".into(), site: Site::Elements([element("bolts"), element("strap")].into()) },
+        GroupPlace { name: "layers".into(), site: Site::Elements([element("inside"), element("outside")].into()) },
+        GroupPlace { name: "powers".into(), site: Site::Elements([element("board")].into()) },
         GroupPlace { name: "bonded".into(), site: Site::Sensors(bonded) },
     ]
 }

@@ -88,11 +88,11 @@ pub fn groups(model: &Model) -> Vec<GroupPlace> {
     let node = |name: &str| model.nodes.iter().position(|node| node.name == name).expect("there");
     let element = |name: &str| model.elements.iter().position(|element| element.name == name).expect("there");
     vec![
-        GroupPlace { name: "surfaces".into(), site: Site::Nodes(vec![(node("box"), 1.0), (node("panel"), 0.5)]) },
-        GroupPlace { name: "joints".into(), site: Site::Elements(vec![element("bolts"), element("strap")]) },
+        GroupPlace { name: "surfaces".into(), site: Site::Nodes([(node("box"), 1.0), (node("panel"), 0.5)].into()) },
+        GroupPlace { name: "joints".into(), site: Site::Elements([element("bolts"), element("strap")].into()) },
         GroupPlace {
             name: "layers".into(),
-            site: Site::Elements(vec![element("blanket inside"), element("blanket outside")]),
+            site: Site::Elements([element("blanket inside"), element("blanket outside")].into()),
         },
         GroupPlace { name: "bonded".into(), site: Site::Sensors(sensors(model)[..2].to_vec()) },
     ]

@@ -15,6 +15,7 @@ mod goal;
 mod held;
 mod hidden_effect;
 mod history_margins;
+mod leaves;
 mod likelihood;
 mod linear_diagnosis;
 mod margins;

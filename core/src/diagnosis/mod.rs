@@ -10,6 +10,7 @@ pub mod heat;
 pub mod hypothesis;
 pub mod left_out;
 pub mod linearisation;
+pub mod memory;
 mod misspecified;
 pub mod noise;
 pub mod odds;

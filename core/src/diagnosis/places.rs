@@ -1,12 +1,14 @@
 //! Places of a large model at which effects are sought: first those that the sensors can tell apart, then those near what was
 //! found. Pairs of nodes are chosen first, in a still larger model nodes and elements too.
 //!
-//! A watt into a node moves the whitened predictions by a column. Nodes whose columns lie close together are one to the sensors. A
-//! path between two nodes moves the predictions by its heat times the difference of their columns, so that a pair which stands for
+//! A watt into a node moves the whitened predictions by a column. Nodes whose columns lie close together are one to the sensors,
+//! those among them that no sensor sees: behind a boundary the column is zero. A path between two nodes moves the predictions by its heat times the difference of their columns, so that a pair which stands for
 //! another errs by no more than its heat times the distances of the columns. What an element carries moves them by its heat times
 //! the difference of the columns at its ends. Representatives are the points of a farthest-first
-//! traversal (Gonzalez 1985), whose largest distance is at most twice the best possible one.
+//! traversal (Gonzalez 1985), whose largest distance is at most twice the best possible one. Of like columns, as many leaves of one
+//! hub have, the temperatures at the fit tell the nodes apart: what a path carries goes with them.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -146,6 +148,36 @@ impl Places {
 /// Whitened columns of nodes or elements.
 type Columns = Vec<(usize, Vec<f64>)>;
 
+/// Squares of distances of columns below this share of the longest column's are rounding.
+const LIKE: f64 = 1e-18;
+
+/// What tells nodes or elements apart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signature {
+    /// Index of the node or element.
+    pub index: usize,
+    /// What a watt there, or the heat that it carries, moves the whitened predictions by.
+    pub column: Vec<f64>,
+    /// Temperatures at the fit, K, phase by phase; empty where none are known. They decide where columns are alike.
+    pub temperatures_k: Vec<f64>,
+}
+
+/// How far two places are apart: the square of the distance of their columns, then of their temperatures.
+#[derive(Clone, Copy)]
+struct Distance(f64, f64);
+
+impl Distance {
+    fn of(a: &Signature, b: &Signature, like: f64) -> Self {
+        let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>();
+        let columns = square(&a.column, &b.column);
+        Self(if columns < like { 0.0 } else { columns }, square(&a.temperatures_k, &b.temperatures_k))
+    }
+
+    fn total_cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0).then(self.1.total_cmp(&other.1))
+    }
+}
+
 impl Problem {
     /// The same with candidates at more places, behind those that it has; with those of one effect, where it is named.
     fn at_places(&self, places: Places, only: Option<&str>) -> Self {
@@ -182,15 +214,19 @@ impl Problem {
             }));
         })?;
         let most = choice.representatives;
-        let mut places = Places { neighbours: neighbours(&columns, most), ..Places::default() };
+        let signatures = self.signatures(&likelihood, refit, &columns)?;
+        let mut places = Places { neighbours: neighbours(&signatures, most), ..Places::default() };
         if choice.limits.choose_members(&self.model) {
             let first = |all: &[Vec<usize>]| all.iter().map(|members| members[0]).collect::<Vec<usize>>();
             let elements = choice.limits.elements_to_choose(&self.model);
             for (_, columns) in self.element_columns(&likelihood, refit, &columns, elements)? {
-                places.elements.extend(neighbours(&columns, most));
+                let one = |(index, column)| Signature { index, column, ..Signature::default() };
+                let signatures: Vec<Signature> = columns.into_iter().map(one).collect();
+                places.elements.extend(neighbours(&signatures, most));
             }
             let nodes = first(&places.neighbours);
-            nodes.iter().for_each(|&node| places.add(Chosen::Node(node)));
+            let is_seen = |node: &&usize| columns.iter().any(|(own, _)| own == *node);
+            nodes.iter().filter(is_seen).for_each(|&node| places.add(Chosen::Node(node)));
             nodes.iter().for_each(|&node| places.add(Chosen::Surroundings(node)));
             first(&places.elements).into_iter().for_each(|element| places.add(Chosen::Element(element)));
         }
@@ -206,6 +242,25 @@ impl Problem {
             }
         }
         Ok(places)
+    }
+
+    /// Inner nodes with their columns, those that no sensor sees with zeros, and their temperatures in steady phases at a fit.
+    fn signatures(
+        &self,
+        likelihood: &Likelihood,
+        refit: &Refit,
+        seen: &[(usize, Vec<f64>)],
+    ) -> Result<Vec<Signature>, FitError> {
+        let states = likelihood.steady_states(&refit.unknowns)?;
+        let rows = seen.first().map_or(0, |(_, column)| column.len());
+        let by_node: BTreeMap<usize, &Vec<f64>> = seen.iter().map(|(node, column)| (*node, column)).collect();
+        let is_inner = |node: &usize| !matches!(self.model.nodes[*node].kind, NodeKind::Boundary { .. });
+        let signature = |index| Signature {
+            index,
+            column: by_node.get(&index).map_or_else(|| vec![0.0; rows], |column| column.to_vec()),
+            temperatures_k: states.iter().filter_map(|state| state.temperatures.get(index).copied()).collect(),
+        };
+        Ok((0..self.model.nodes.len()).filter(is_inner).map(signature).collect())
     }
 
     /// Columns of elements, kind by kind: of what they carry at a fit; of a watt through them where
@@ -240,31 +295,33 @@ impl Problem {
     }
 }
 
-/// Representatives of nodes, or elements, with their columns by farthest-first traversal, beginning with the longest column, each
+/// Representatives of nodes, or elements, by farthest-first traversal, beginning with the longest column, each
 /// with its neighbours: where these would be too many, all the nearest and ever fewer of those farther away.
-pub fn neighbours(columns: &[(usize, Vec<f64>)], most: usize) -> Vec<Vec<usize>> {
-    let square = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>();
-    let mut nearest: Vec<f64> = columns.iter().map(|(_, column)| column.iter().map(|x| x * x).sum()).collect();
-    let wide = NEIGHBOURS * columns.len().div_ceil(most) + NEIGHBOURS;
+pub fn neighbours(places: &[Signature], most: usize) -> Vec<Vec<usize>> {
+    let length = |place: &Signature| place.column.iter().map(|x| x * x).sum::<f64>();
+    let like = LIKE * places.iter().map(length).fold(0.0, f64::max);
+    let mut nearest: Vec<Distance> = places.iter().map(|place| Distance(length(place), 0.0)).collect();
+    let wide = NEIGHBOURS * places.len().div_ceil(most) + NEIGHBOURS;
     let count = wide.min(MOST_NEIGHBOURS);
     let rank = |k: usize| k + (wide - count) * k * k / (count * count);
     let mut chosen: Vec<usize> = Vec::new();
     let mut all = Vec::new();
     while chosen.len() < most {
-        let farther = |a: usize, b: usize| if nearest[b] > nearest[a] { b } else { a };
-        let Some(next) = (0..columns.len()).filter(|place| !chosen.contains(place)).reduce(farther) else { break };
+        let farther = |a: usize, b: usize| if nearest[b].total_cmp(&nearest[a]).is_gt() { b } else { a };
+        let Some(next) = (0..places.len()).filter(|place| !chosen.contains(place)).reduce(farther) else { break };
         let is_first = chosen.is_empty();
-        let mut by_distance: Vec<(f64, usize)> = Vec::with_capacity(columns.len());
-        for (place, (_, column)) in columns.iter().enumerate() {
-            let distance = square(column, &columns[next].1);
-            nearest[place] = if is_first { distance } else { nearest[place].min(distance) };
+        let mut by_distance: Vec<(Distance, usize)> = Vec::with_capacity(places.len());
+        for (place, signature) in places.iter().enumerate() {
+            let distance = Distance::of(signature, &places[next], like);
+            let is_nearer = is_first || distance.total_cmp(&nearest[place]).is_lt();
+            nearest[place] = if is_nearer { distance } else { nearest[place] };
             if place != next {
                 by_distance.push((distance, place));
             }
         }
         by_distance.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let near = (0..count).filter_map(|k| by_distance.get(rank(k))).map(|&(_, place)| columns[place].0);
-        all.push(std::iter::once(columns[next].0).chain(near).collect());
+        let near = (0..count).filter_map(|k| by_distance.get(rank(k))).map(|&(_, place)| places[place].index);
+        all.push(std::iter::once(places[next].index).chain(near).collect());
         chosen.push(next);
     }
     all

@@ -317,7 +317,7 @@ fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[Senso
             }
             PlaceKind::Node | PlaceKind::Boundary | PlaceKind::Capacity => {
                 for &node in among.nodes.iter().filter(|node| kind.is_node(&model.nodes[**node].kind)) {
-                    put(vec![name(node)], Site::Nodes(vec![(node, 1.0)]), vec![node]);
+                    put(vec![name(node)], Site::Nodes([(node, 1.0)].into()), vec![node]);
                 }
             }
             PlaceKind::Sensor => {
@@ -342,7 +342,7 @@ fn spots(effect: &Effect, model: &Model, groups: &[GroupPlace], sensors: &[Senso
             _ => {
                 for &index in among.elements.iter().filter(|index| kind.is_element(&model.elements[**index])) {
                     let element = &model.elements[index];
-                    put(vec![element.name.clone()], Site::Elements(vec![index]), element.nodes());
+                    put(vec![element.name.clone()], Site::Elements([index].into()), element.nodes());
                 }
             }
         }

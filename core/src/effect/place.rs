@@ -1,5 +1,7 @@
 //! Where an effect acts: kinds of place, and places of a model.
 
+use std::sync::Arc;
+
 use crate::expression::{Dimension, Symbol, Unit};
 use crate::thermal::element::Element;
 use crate::thermal::{Model, NodeKind};
@@ -117,15 +119,15 @@ pub struct SensorPlace {
     pub transient: bool,
 }
 
-/// A place of a model, by indices.
+/// A place of a model, by indices. Those of large groups are shared by all candidates there.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Site {
     /// Two nodes.
     Pair([usize; 2]),
     /// Nodes with weights: one of weight 1, or a group.
-    Nodes(Vec<(usize, f64)>),
+    Nodes(Arc<[(usize, f64)]>),
     /// Elements of one kind: one, or a group.
-    Elements(Vec<usize>),
+    Elements(Arc<[usize]>),
     /// Sensors: one, a group, or two whose channels are exchanged.
     Sensors(Vec<SensorPlace>),
     /// A parameter of the model. No effect of a catalogue acts there; its prior may be wrong.

@@ -214,6 +214,10 @@ impl Job for Diagnose {
         })
     }
 
+    fn memory_bytes(&self) -> u64 {
+        self.diagnosis.memory_bytes()
+    }
+
     fn is_last(&self, known: &Known) -> bool {
         matches!(known, Known::Conclude(_))
     }

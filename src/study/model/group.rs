@@ -52,9 +52,9 @@ impl Members {
     /// The members as a place; `sensors` are those of the measurements.
     pub fn site(&self, sensors: &[SensorPlace]) -> Site {
         match self {
-            Self::Nodes(nodes) => Site::Nodes(nodes.clone()),
+            Self::Nodes(nodes) => Site::Nodes(nodes.as_slice().into()),
             Self::Conductors(elements) | Self::Radiations(elements) | Self::Loads(elements) => {
-                Site::Elements(elements.clone())
+                Site::Elements(elements.as_slice().into())
             }
             Self::Sensors(names) => {
                 let member = |place: &&SensorPlace| names.iter().any(|name| name.value == place.name);

@@ -66,8 +66,8 @@ pub fn place(
     }
     let site = match found_places.as_slice() {
         [Found::Node(a), Found::Node(b)] => Site::Pair([*a, *b]),
-        [Found::Node(one)] => Site::Nodes(vec![(*one, 1.0)]),
-        [Found::Element(one)] => Site::Elements(vec![*one]),
+        [Found::Node(one)] => Site::Nodes([(*one, 1.0)].into()),
+        [Found::Element(one)] => Site::Elements([*one].into()),
         all => Site::Sensors(
             all.iter()
                 .flat_map(|one| match one {

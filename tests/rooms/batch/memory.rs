@@ -21,8 +21,9 @@ fn what_does_not_fit_is_refused_with_what_to_change() {
     assert_eq!(
         message,
         "`large` needs about 36.5 GB of memory, this machine has 17.2 GB: give it fewer `samples` (or `draws`), or a sweep \
-         of fewer `steps`"
+         of fewer `steps`, or less `data` and fewer `effects`"
     );
+    assert_eq!(notes(&needed), ["large takes about 36.5 GB of memory"]);
     let texts = [300_000_000, 2_100_000_000, 250_000_000_000, 8_600_000_000_000].map(bytes_text);
     assert_eq!(texts, ["300 MB", "2.1 GB", "250 GB", "8.6 TB"]);
 }

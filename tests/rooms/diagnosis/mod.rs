@@ -3,6 +3,7 @@ mod heat;
 mod hypothesis;
 mod left_out;
 mod linearisation;
+mod memory;
 mod noise;
 mod odds;
 mod places;

@@ -13,14 +13,13 @@ use std::sync::Arc;
 #[test]
 fn representatives_are_far_apart_and_have_their_neighbours() {
     // Two bundles of nodes, and one node apart.
-    let columns: Vec<(usize, Vec<f64>)> = (0..130)
-        .map(|node| match node {
-            129 => (node, vec![0.0, -50.0]),
-            _ if node % 2 == 0 => (node, vec![100.0 + 1e-3 * node as f64, 0.0]),
-            _ => (node, vec![0.0, 100.0 - 1e-3 * node as f64]),
-        })
-        .collect();
-    let all = neighbours(&columns, 64);
+    let column = |node: usize| match node {
+        129 => vec![0.0, -50.0],
+        _ if node.is_multiple_of(2) => vec![100.0 + 1e-3 * node as f64, 0.0],
+        _ => vec![0.0, 100.0 - 1e-3 * node as f64],
+    };
+    let signature = |index| Signature { index, column: column(index), ..Signature::default() };
+    let all = neighbours(&(0..130).map(signature).collect::<Vec<_>>(), 64);
     assert_eq!(all.len(), 64);
     assert!(all[..3].iter().any(|nodes| nodes[0] == 129), "what lies apart comes early");
     // 130 nodes are 3 a representative: four times that and four more.
@@ -36,6 +35,28 @@ fn representatives_are_far_apart_and_have_their_neighbours() {
     assert_eq!(places.near_pair([1, 2]), [[1, 3], [1, 4], [2, 4], [3, 4]]);
     assert_eq!(places.near_pair([9, 2]), [[3, 9], [4, 9]]);
     assert!(places.near_pair([1, 3]).is_empty(), "3 stands for itself");
+}
+
+/// Leaves of one hub are one to the sensors at the hub: what tells them apart, and makes neighbours, is how warm they are.
+#[test]
+fn like_leaves_of_a_hub_are_told_apart_by_their_temperatures() {
+    let leaf = |index: usize| Signature {
+        index,
+        // Equal but for rounding.
+        column: vec![3.0 + 1e-15 * (index % 5) as f64, 1.0],
+        temperatures_k: vec![250.0 + (index * 37 % 100) as f64],
+    };
+    let all = neighbours(&(0..100).map(leaf).collect::<Vec<_>>(), 8);
+    let warmth = |index: usize| (index * 37 % 100) as f64;
+    let ends: Vec<f64> = all.iter().map(|nodes| warmth(nodes[0])).collect();
+    // Eight of 0 to 99 that begin anywhere and are chosen farthest first leave none farther than 99 / 4 from the nearest.
+    let gap = (0..100).map(|one| ends.iter().map(|end| (end - f64::from(one)).abs()).fold(f64::INFINITY, f64::min));
+    assert!(gap.fold(0.0, f64::max) <= 99.0 / 4.0, "{ends:?}");
+    for nodes in &all {
+        // Four times 13 and four more neighbours: within 56 of the scale they come from both sides or from one end.
+        assert!(nodes.iter().all(|&node| (warmth(node) - warmth(nodes[0])).abs() <= 56.0), "{nodes:?}");
+        assert!((warmth(nodes[1]) - warmth(nodes[0])).abs() == 1.0, "the most alike comes first");
+    }
 }
 
 /// A path of the twin that is found among all places is found by representatives and their neighbours, with the same size.

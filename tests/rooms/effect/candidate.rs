@@ -10,7 +10,7 @@ fn on(where_kind: &'static str, effect: &str, elements: &[usize]) -> Candidate {
         where_kind,
         place: Vec::new(),
         input: None,
-        site: Site::Elements(elements.to_vec()),
+        site: Site::Elements(elements.into()),
         bound: Vec::new(),
         steady: true,
         transient: true,

@@ -38,7 +38,7 @@ const MOST_BESIDE_NOISE: usize = 400;
 /// Pairs of nodes with an effect that is tried at finite values; all those of ten nodes.
 const MOST_PAIRS_PROBED: usize = 45;
 /// Numbers of all columns above which only the best directions are held: 200 MB, of which a screening needs a few copies.
-const MOST_ENTRIES: usize = 25_000_000;
+pub(crate) const MOST_ENTRIES: usize = 25_000_000;
 /// Draws of the family-wise probability.
 const DRAWS: usize = 1000;
 /// Draws of the probability that is critical for a member: 8 % of it are 1 % of a detectable amplitude.

@@ -17,7 +17,7 @@ impl Work<'_, '_> {
         let adds = &self.instance.effect.form.adds.value;
         if let Some(factor) = &adds.factor {
             if let Site::Nodes(nodes) = &self.instance.site {
-                for &(node, _) in nodes {
+                for &(node, _) in nodes.iter() {
                     self.capacity_factor(node, &factor.value)?;
                 }
             } else {

@@ -203,7 +203,7 @@ impl Work<'_, '_> {
     /// Elements of the place.
     fn place_elements(&self) -> Result<Vec<usize>, ApplyError> {
         match &self.instance.site {
-            Site::Elements(elements) => Ok(elements.clone()),
+            Site::Elements(elements) => Ok(elements.to_vec()),
             _ => Err(self.misplaced()),
         }
     }

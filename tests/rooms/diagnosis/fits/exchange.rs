@@ -17,7 +17,7 @@ fn an_exchange_of_which_no_model_can_be_made_is_told_with_its_reason() {
     let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
     let is_swap = |candidate: &bmv::effect::Candidate| candidate.effect == "swapped-channels";
     let broken = problem.candidates.iter().position(is_swap).unwrap();
-    Arc::make_mut(&mut problem.candidates)[broken].site = Site::Nodes(vec![(0, 1.0)]);
+    Arc::make_mut(&mut problem.candidates)[broken].site = Site::Nodes([(0, 1.0)].into());
     let diagnosis = Diagnosis::new(problem.clone(), Settings::default(), StreamKey::new(1, "test", "exchange"));
     let state = diagnosis.screen().unwrap();
     let exchange_search = exchanges(&problem, &state.refits[0], usize::MAX).unwrap();

@@ -162,7 +162,7 @@ impl<'a> Bench<'a> {
         let mut slopes = Slopes::default();
         let mut touched: Vec<usize> = (self.original.elements.len()..self.model.elements.len()).collect();
         if let Site::Elements(elements) = site {
-            touched.extend(elements);
+            touched.extend(elements.iter());
         }
         for element in touched {
             let heats = self.heats(element);
@@ -172,7 +172,7 @@ impl<'a> Bench<'a> {
             }
         }
         if let Site::Nodes(nodes) = site {
-            for &(node, _) in nodes {
+            for &(node, _) in nodes.iter() {
                 match self.model.nodes[node].kind {
                     NodeKind::Boundary { temperature } => self.through_boundary(symbol, node, temperature, &mut slopes),
                     NodeKind::Diffusion { capacity } => {
@@ -249,13 +249,13 @@ impl<'a> Bench<'a> {
         self.model.quantities.truncate(original.quantities.len());
         match site {
             Site::Elements(elements) => {
-                for &element in elements {
+                for &element in elements.iter() {
                     self.model.elements[element] = original.elements[element].clone();
                 }
                 self.model.quantities.clone_from(&original.quantities);
             }
             Site::Nodes(nodes) => {
-                for &(node, _) in nodes {
+                for &(node, _) in nodes.iter() {
                     self.model.nodes[node].kind = original.nodes[node].kind;
                 }
             }
