@@ -102,7 +102,7 @@ pub fn choose<'f>(
         let mut warnings = Diagnostics::new();
         let settled = diagnosis.settled();
         let is_open = |effect: &&EffectResult| !settled.iter().any(|one| one.id == effect.id);
-        if diagnosis.verdict == Verdict::Ambiguous && effects.iter().any(|effect| is_open(effect)) {
+        if diagnosis.verdict == Verdict::Ambiguous && effects.iter().any(is_open) {
             let warning = Diagnostic::warning(&code::ADOPT_AMBIGUOUS, &asked.command(), odds(diagnosis, &effects));
             warnings.push(match parting(diagnosis, model) {
                 Some(words) => warning.help(words),
