@@ -1,7 +1,7 @@
 //! How much memory a diagnosis takes, told before it starts.
 //!
 //! Most of it are the columns of a screening, one number a fitted reading. They are bounded: where they are too many, only the
-//! best directions are held ([`crate::diagnosis::screening::screen`]).
+//! best directions are held (`diagnosis::screening::screen`).
 
 use std::collections::BTreeMap;
 
