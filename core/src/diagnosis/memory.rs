@@ -1,4 +1,4 @@
-//! How much memory a diagnosis takes, told before it starts.
+//! How much memory a diagnosis takes, stated before it starts.
 //!
 //! Most of it are the columns of a screening, one number a fitted reading. They are bounded: where they are too many, only the
 //! best directions are held (`diagnosis::screening::screen`).
