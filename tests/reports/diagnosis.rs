@@ -142,6 +142,23 @@ fn rivals_are_named_with_the_phase_that_parts_them() {
 }
 
 #[test]
+fn what_is_settled_beside_what_is_open_is_the_next_step() {
+    let mut sample = diagnosed("ambiguous");
+    let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        output.discriminating_experiment = None;
+        (output.effects[1].group, output.effects[2].group) = (Some(2), Some(2));
+        output.selected.push("radiative-path:baseplate:board".into());
+    });
+    assert!(is_one, "a diagnosis");
+    let summary = rendered(&sample).markdown.replace('\u{A0}', " ");
+    let next = "conductive-path:baseplate:board` adopts what is settled; the rest stays open.";
+    has(&summary, &["`bmv adopt sample/", next, "rivals explain the data as well"]);
+    let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| output.effects[2].group = None);
+    assert!(is_one, "a diagnosis");
+    has(&rendered(&sample).markdown.replace('\u{A0}', " "), &["these data do not settle that they are there."]);
+}
+
+#[test]
 fn a_missing_hidden_node_is_drawn_as_a_node_with_its_conductance() {
     let mut sample = diagnosed("identified");
     let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {

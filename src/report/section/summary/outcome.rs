@@ -3,6 +3,7 @@
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Output as Diagnosis};
 use crate::document::p_stated;
+use crate::document::visible::shell_word;
 use crate::job::{calibrate, compare, diagnose, goal, predict, propagate, test_plan};
 use crate::report::ladder;
 use crate::report::number::{self, Shown, signed, significant, with_error, with_unit};
@@ -78,6 +79,10 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                 model.effects.len() == selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
             });
             text = match (verdict, model) {
+                (Verdict::Ambiguous, _) if output.is_without_rival() => {
+                    let what = if more.is_empty() { "it is" } else { "they are" };
+                    text.plain(format!("; these data do not settle that {what} there."))
+                }
                 (Verdict::Ambiguous, _) => text.plain("; rivals explain the data as well."),
                 (_, Some(model)) => {
                     text.plain(format!("; probability {}.", chance(probability_of_set(model.probability, &selected))))
@@ -247,6 +252,12 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
                     }
                 }
                 return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
+            }
+            Verdict::Ambiguous if !output.settled().is_empty() => {
+                let ids =
+                    output.settled().iter().map(|effect| format!(" {}", shell_word(&effect.id))).collect::<String>();
+                let text = Text::default().code(format!("{adopt}{ids}"));
+                return Some(text.plain(" adopts what is settled; the rest stays open."));
             }
             Verdict::Ambiguous | Verdict::Unexplained => {
                 let text = Text::default().code(command("diagnose"));
