@@ -5,13 +5,15 @@ use serde_json::{Map, Value, json};
 use super::between_rows::{BetweenRows, between_rows};
 use super::record::{Channel, Record};
 use crate::document::counted;
-use crate::document::suggest::listed;
+use crate::document::suggest::{self, listed};
 use crate::report::number::significant;
 use crate::statistics::noise::noise;
 use crate::statistics::quantile::{quantile_sorted, sorted};
 
 /// Standard deviations of a sensor's noise by which it changes between two rows where these are far apart.
 const COARSE: f64 = 20.0;
+/// Times the usual distance of two rows from which one is a gap.
+const LONG_GAP: f64 = 20.0;
 /// Names that a message lists.
 const MOST_NAMES: usize = 12;
 
@@ -93,7 +95,8 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
     let mut notes = record.notes.clone();
     let mut sensors = Map::new();
     let mut hold: Vec<String> = Vec::new();
-    let (mut columns, mut inputs, mut unknown): (Vec<(String, &Channel)>, Vec<String>, Vec<&str>) = Default::default();
+    let (mut columns, mut inputs, mut unknown): (Vec<(String, &Channel)>, Vec<String>, Vec<&Channel>) =
+        Default::default();
     let (mut measuring, mut of_inputs, mut rules) = (Vec::new(), Vec::new(), Vec::new());
     for channel in &record.channels {
         if let Some(reason) = &channel.left_out {
@@ -119,12 +122,12 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
             measuring.push(channel);
             columns.push((channel.name.clone(), channel));
         } else {
-            unknown.push(&channel.name);
+            unknown.push(channel);
             columns.push((channel.name.clone(), channel));
         }
     }
     if !unknown.is_empty() {
-        let names: Vec<String> = unknown.iter().map(|name| format!("`{name}`")).collect();
+        let names: Vec<String> = unknown.iter().map(|channel| unknown_name(channel, known)).collect();
         notes.push(format!(
             "{} no node, quantity or input of the model: {}; their columns are kept, and --channels says what they are",
             if names.len() == 1 { "a channel is named like" } else { "channels are named like" },
@@ -132,9 +135,13 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
         ));
     }
     let longest = record.times_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    if longest > 20.0 * usual_step(record) {
+    if longest > LONG_GAP * usual_step(record) {
         let gap = significant(longest, 3);
-        notes.push(format!("the longest gap between two rows is {gap} s; \"max_gap\" begins a transient anew there"));
+        let limit = significant(LONG_GAP * usual_step(record), 3);
+        notes.push(format!(
+            "the longest gap between two rows is {gap} s, over which inputs would go on as they were; with \"max_gap\": {{\"value\": {limit}, \
+             \"unit\": \"s\"}} beside \"file\" each part begins anew at its first readings"
+        ));
     }
     let names = sensors.keys().cloned().collect();
     let mut transient = json!({"file": file, "sensors": sensors, "initial": {"measured": {}}});
@@ -148,6 +155,14 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
     }
     let measurement = json!({"transient": transient});
     Ok(Proposal { csv: csv(record, &columns), measurement, sensors: names, inputs, notes })
+}
+
+/// A channel that means nothing known, with what its map may have meant.
+fn unknown_name(channel: &Channel, known: &Known) -> String {
+    let Some(measures) = &channel.measures else { return format!("`{}`", channel.name) };
+    let names = known.inputs.iter().chain(&known.measured).map(String::as_str);
+    let near = suggest::nearest(measures, names).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    format!("`{}` (mapped to `{measures}`{near})", channel.name)
 }
 
 fn sensor(measures: &str, channel: &Channel) -> Value {
@@ -171,13 +186,16 @@ pub fn scatter(readings: &[Option<f64>]) -> Option<f64> {
 /// What to be aware of where rows are so far apart that temperatures change much between two: a held input may have
 /// stepped at any instant between them.
 fn coarse(record: &Record, sensors: &[&Channel], has_steps: bool) -> Option<String> {
+    let apart = usual_step(record);
+    // Over a gap temperatures may change by anything.
+    let is_near = |row: usize| record.times_s[row + 1] - record.times_s[row] < 2.0 * apart;
     let fastest = sensors.iter().filter_map(|channel| {
-        let known: Vec<f64> = channel.readings.iter().flatten().copied().collect();
-        let change = known.windows(2).map(|two| (two[1] - two[0]).abs()).fold(0.0, f64::max);
+        let of_rows = channel.readings.windows(2).enumerate().filter(|(row, _)| is_near(*row));
+        let changes = of_rows.filter_map(|(_, two)| Some((two[1]? - two[0]?).abs()));
+        let change = changes.fold(0.0, f64::max);
         Some((*channel, change, scatter(&channel.readings)?)).filter(|(_, change, sigma)| *change > COARSE * sigma)
     });
     let (channel, change, _) = fastest.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| has_steps)?;
-    let apart = usual_step(record);
     let (apart, change) = (significant(apart, 3), significant(change, 2));
     Some(format!(
         "rows are {apart} s apart, and `{}` changes by up to {change} K between two: an input that is held has stepped up to \

@@ -49,6 +49,35 @@ fn what_is_not_understood_is_said_at_its_place() {
     assert_eq!(record.channels[0].name, "box");
 }
 
+/// Forty minutes between two of sixty rows, over which the box cools by 3 K; from row to row it changes by 0.5 K, ten times its noise.
+#[test]
+fn a_gap_is_said_with_what_mends_it_and_is_no_quick_change() {
+    let mut log = "time [s];TC1 [degC];Q box [W];panels [degC]\n".to_owned();
+    for row in 0..60 {
+        let time = 10 * row + if row < 30 { 0 } else { 2400 };
+        let box_c = 20.0 + 0.5 * f64::from(row) - if row < 30 { 0.0 } else { 3.5 };
+        let noise = if row % 2 == 0 { 0.02 } else { -0.02 };
+        let power = if row / 10 % 2 == 0 { 5 } else { 0 };
+        log.push_str(&format!("{time};{};{power};21\n", box_c + noise));
+    }
+    let map = "channel,name,measures\nTC1,TC box,box\n";
+    let settings = Settings { time: None, channels: Some(("map.csv".into(), map.into())) };
+    let record = read(&[("log.csv".to_owned(), log)], &settings).expect("understood");
+    let notes = propose(&record, &known(), &Said::default(), "data/log.csv").expect("proposed").notes.join("\n");
+    assert!(notes.contains(r#"with "max_gap": {"value": 200, "unit": "s"} beside "file""#), "{notes}");
+    assert!(!notes.contains("changes by up to"), "{notes}");
+}
+
+#[test]
+fn a_name_of_the_map_that_means_nothing_is_held_against_the_nearest() {
+    let log = "time;A [degC];B [degC]\n0;20;21\n1;20.5;21.4\n2;21;21.9\n".to_owned();
+    let map = "channel,name,measures\nA,TC box,box\nB,TC panel,panle\n";
+    let settings = Settings { time: None, channels: Some(("map.csv".into(), map.into())) };
+    let record = read(&[("log.csv".to_owned(), log)], &settings).expect("understood");
+    let notes = propose(&record, &known(), &Said::default(), "data/log.csv").expect("proposed").notes.join("\n");
+    assert!(notes.contains("`TC panel` (mapped to `panle`; did you mean `panel`?)"), "{notes}");
+}
+
 #[test]
 fn scatter_is_that_of_the_noise_and_not_of_the_ramp() {
     // A ramp with a deviation of 0.1 K up and down in turn: second differences are 0.4 K, 1.4826 * 0.4 / sqrt(6) is
