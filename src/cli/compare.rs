@@ -83,6 +83,10 @@ impl Compare {
                  tuned state: bmv compare {shown} --tuned"
             ));
         }
+        let diagnoses = |pass: &batch::LoadedPass| pass.pass.jobs.iter().any(|job| job.spec.kind() == "diagnose");
+        if !self.json && executed.passes.iter().any(diagnoses) {
+            tell(&format!("what would explain the rest: bmv diagnose {shown}"));
+        }
         Ok(Status::of_wanted(&executed))
     }
 }

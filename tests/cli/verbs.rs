@@ -114,6 +114,11 @@ fn compare_waits_for_no_calibration_unasked() {
     assert!(tuned["rmse"].is_f64() && said.contains(":tuned: started"), "{tuned} {said}");
     let (tuned, said) = compare(&[]);
     assert!(tuned["rmse"].is_f64() && !said.contains("--tuned"), "from the cache: {tuned} {said}");
+    let next = "would explain the rest: bmv diagnose plate/pass-1.json";
+    let said = || text(&bmv(root.path(), &["compare", "plate/pass-1.json"]).stderr);
+    assert!(!said().contains(next), "the pass has no diagnosis");
+    change(root.path(), |pass| pass["jobs"]["missing"] = json!({"diagnose": {"effects": ["heat-load"]}}));
+    assert!(said().contains(next));
 }
 
 #[test]
