@@ -76,13 +76,12 @@ impl Csv {
             Failure::rendered(diagnostics.render(context.coloured, MOST_DIAGNOSTICS))
         };
         let record = logger::read(&files, &Settings { time: self.time.clone(), channels }).map_err(wrong)?;
-        let last = discover::passes(&self.into).into_iter().max_by_key(|pass| discover::number(pass));
+        let passes = discover::passes(&self.into);
+        let last = passes.iter().max_by_key(|pass| discover::number(pass));
         // The pass of an earlier import of this measurement is no parent of the one that takes its place.
         let earlier = last.filter(|pass| self.is_of_import(pass));
-        let before = discover::passes(&self.into)
-            .into_iter()
-            .filter(|pass| Some(pass) != earlier.as_ref())
-            .max_by_key(|pass| discover::number(pass));
+        let others = passes.iter().filter(|pass| Some(*pass) != earlier);
+        let before = others.max_by_key(|pass| discover::number(pass)).cloned();
         let pass =
             before.as_ref().map(|pass| crate::study::load(&crate::job::kinds(), pass)).transpose().map_err(wrong)?;
         let known = pass.as_ref().map_or_else(Known::default, |pass| {

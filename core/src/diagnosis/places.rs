@@ -1,9 +1,9 @@
 //! Places of a large model at which effects are sought: first those that the sensors can tell apart, then those near what was
 //! found. Pairs of nodes are chosen first, in a still larger model nodes and elements too.
 //!
-//! A watt into a node moves the whitened predictions by a column. Nodes whose columns lie close together are one to the sensors,
-//! those among them that no sensor sees: behind a boundary the column is zero. A path between two nodes moves the predictions by its heat times the difference of their columns, so that a pair which stands for
-//! another errs by no more than its heat times the distances of the columns. What an element carries moves them by its heat times
+//! A watt into a node moves the whitened predictions by a column. Nodes whose columns lie close together are one to the sensors;
+//! so are those that no sensor sees, whose columns are zero. A path between two nodes moves the predictions by its heat times the
+//! difference of their columns, so that a pair which stands for another errs by no more than its heat times the distances of the columns. What an element carries moves them by its heat times
 //! the difference of the columns at its ends. Representatives are the points of a farthest-first
 //! traversal (Gonzalez 1985), whose largest distance is at most twice the best possible one. Of like columns, as many leaves of one
 //! hub have, the temperatures at the fit tell the nodes apart: what a path carries goes with them.

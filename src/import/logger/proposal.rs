@@ -137,7 +137,8 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
     let longest = record.times_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     if longest > LONG_GAP * usual_step(record) {
         let gap = significant(longest, 3);
-        let limit = significant(LONG_GAP * usual_step(record), 3);
+        // A number of JSON, whatever its size.
+        let limit = (LONG_GAP * usual_step(record)).ceil();
         notes.push(format!(
             "the longest gap between two rows is {gap} s, over which inputs would go on as they were; with \"max_gap\": {{\"value\": {limit}, \
              \"unit\": \"s\"}} beside \"file\" each part begins anew at its first readings"

@@ -91,6 +91,22 @@ impl EstimatedNoise {
     }
 }
 
+/// The whitening of the rows of each sensor.
+pub fn whitening<'n>(series: &[SensorRows], noises: impl Iterator<Item = &'n EstimatedNoise>) -> Vec<Filter> {
+    series.iter().zip(noises).map(|(series, noise)| noise.filter(&series.times_s)).collect()
+}
+
+/// Whitens the rows of the sensors in a column.
+pub fn whiten(series: &[SensorRows], filters: &[Filter], column: &mut [f64]) {
+    for (series, filter) in series.iter().zip(filters) {
+        let mut own: Vec<f64> = series.rows.iter().map(|&row| column[row]).collect();
+        filter.apply(&mut own);
+        for (&row, value) in series.rows.iter().zip(own) {
+            column[row] = value;
+        }
+    }
+}
+
 /// Whether a sensor's noise leaves something to estimate.
 pub fn is_open(measurement: &Measurement, sensor: usize) -> bool {
     let measured_sensor = &measurement.sensors[sensor];

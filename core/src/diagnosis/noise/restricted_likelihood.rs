@@ -5,8 +5,7 @@
 //! whitened by the noise that is tried, it is the likelihood of the errors with `b' A^-1 b / 2 - log |A| / 2` added,
 //! `A = X'X`, `b = X'e`: the fit is made anew under that noise, and integrated over.
 
-use crate::diagnosis::noise::estimate::{EstimatedNoise, SensorRows};
-use crate::inference::likelihood::noise::Filter;
+use crate::diagnosis::noise::estimate::{EstimatedNoise, SensorRows, whiten, whitening};
 use crate::math::cholesky;
 use crate::math::lanes::dot;
 
@@ -58,21 +57,5 @@ impl Taken {
         cholesky::solve_lower(&scaled, &mut b);
         let log_scales: f64 = scales.iter().map(|scale| crate::math::functions::ln(*scale)).sum();
         0.5 * dot(&b, &b) - 0.5 * cholesky::log_determinant(&scaled, k) - log_scales
-    }
-}
-
-/// The whitening of the rows of each sensor.
-pub fn whitening<'n>(series: &[SensorRows], noises: impl Iterator<Item = &'n EstimatedNoise>) -> Vec<Filter> {
-    series.iter().zip(noises).map(|(series, noise)| noise.filter(&series.times_s)).collect()
-}
-
-/// Whitens the rows of the sensors in a column.
-pub fn whiten(series: &[SensorRows], filters: &[Filter], column: &mut [f64]) {
-    for (series, filter) in series.iter().zip(filters) {
-        let mut own: Vec<f64> = series.rows.iter().map(|&row| column[row]).collect();
-        filter.apply(&mut own);
-        for (&row, value) in series.rows.iter().zip(own) {
-            column[row] = value;
-        }
     }
 }

@@ -11,7 +11,7 @@ use crate::diagnosis::linearisation::bounded::Place;
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::noise::estimate;
-use crate::diagnosis::noise::restricted_likelihood::{self, Taken};
+use crate::diagnosis::noise::restricted_likelihood::Taken;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::nothing_stands;
 use crate::diagnosis::odds::prior_scale::WIDTHS;
@@ -519,8 +519,8 @@ impl Diagnosis {
         series: &[estimate::SensorRows],
         settled: &[SensorNoise],
     ) -> Taken {
-        let filters = restricted_likelihood::whitening(series, settled.iter().map(|one| &one.noise));
-        let whiten = |column: &mut [f64]| restricted_likelihood::whiten(series, &filters, column);
+        let filters = estimate::whitening(series, settled.iter().map(|one| &one.noise));
+        let whiten = |column: &mut [f64]| estimate::whiten(series, &filters, column);
         let mut white = linear.clone();
         whiten(&mut white.residuals);
         let n = linear.parameters();
