@@ -24,6 +24,9 @@ const SHARE_OF_LANES: usize = 2;
 /// Most entries of the factors of all lanes, 32 MiB: beyond, nearly dense blocks gain nothing from company.
 const MOST_ENTRIES: usize = 1 << 22;
 
+/// Multiplications an entry of the factors from which a factorisation costs many times a solution.
+const COSTLY_FROM: f64 = 30.0;
+
 /// A factorisable matrix with the pattern of the network's slopes and a full diagonal.
 #[derive(Clone, Debug)]
 pub(super) enum Linear<V> {
@@ -85,14 +88,26 @@ impl<V: Lanes> Linear<V> {
         Self::Listed(Box::new(ListedLu::new(pattern)))
     }
 
-    /// Room for the same pattern in other lanes; none where that would be too large to be of use.
+    /// Whether a factorisation costs so many times a solution that factors should serve more than one step.
+    pub fn is_costly(&self) -> bool {
+        match self {
+            Self::Dense { .. } | Self::Listed(_) => false,
+            Self::Sparse(sparse) => {
+                let symbolic = sparse.lu.symbolic();
+                symbolic.multiplications() >= COSTLY_FROM * symbolic.factor_entries() as f64
+            }
+        }
+    }
+
+    /// Room for the same pattern in other lanes; none where that would be too large to be of use, and where factors serve more
+    /// than one step, since lanes would not all need new ones at once.
     pub fn in_lanes<W: Lanes>(&self) -> Option<Linear<W>> {
         match self {
             Self::Dense { size, .. } => Some(Linear::Dense { lu: LanesLu::new(*size), size: *size }),
             Self::Listed(lu) => Some(Linear::Listed(Box::new(lu.in_lanes()))),
             Self::Sparse(sparse) => {
                 let symbolic = sparse.lu.symbolic();
-                let fits = symbolic.factor_entries().saturating_mul(W::COUNT) <= MOST_ENTRIES;
+                let fits = !self.is_costly() && symbolic.factor_entries().saturating_mul(W::COUNT) <= MOST_ENTRIES;
                 fits.then(|| Linear::Sparse(Box::new(Sparse::new(Arc::clone(symbolic)))))
             }
         }

@@ -4,6 +4,9 @@
 //! kept positive. A lane is done when every node closes to [`CLOSURE_W`] plus [`CLOSURE_RELATIVE`] of the sum of its
 //! terms' sizes and the last step was below `LAST_STEP_K` (Newton's error after such a step is its square, so the
 //! start leaves no trace in the result). A lane that is done or lost is frozen: it keeps the bits it would have alone.
+//!
+//! Where factors are costly they serve further steps as long as these shrink fast (the chord method; Ortega & Rheinboldt
+//! 1970, 7.1). Such steps end when what is left, the last one times the ratio of the last two, is as small.
 
 use crate::math::lanes::Lanes;
 use crate::watch;
@@ -18,6 +21,11 @@ pub const CLOSURE_W: f64 = 1e-9;
 pub const CLOSURE_RELATIVE: f64 = 1e-13;
 /// Largest last step, K.
 const LAST_STEP_K: f64 = 1e-4;
+/// Steps with the factors of an earlier one: the largest step before the first, K, and the largest ratio of two.
+const CHORD_BELOW_K: f64 = 20.0;
+const CHORD_RATIO: f64 = 0.3;
+/// Error left at the end of such steps, K: the square of [`LAST_STEP_K`] over the kelvins in which a radiative slope changes.
+const CHORD_ERROR_K: f64 = 1e-10;
 /// Above this imbalance the sizes of the terms cannot matter (they would be above 1e9 W).
 const SIZE_MATTERS_BELOW_W: f64 = 1e-4;
 /// Longest step of a temperature: this many K plus [`STEP_SHARE`] of it.
@@ -42,6 +50,33 @@ pub(super) enum LaneStatus {
     Running,
     Converged(u32),
     Lost,
+}
+
+/// Which factors the last step had and how it compared with the one before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Factors {
+    /// Of the slopes where the step began.
+    Own,
+    /// Of an earlier point; the step was this share of the one before.
+    Earlier { ratio: f64 },
+}
+
+impl Factors {
+    /// Whether the error after a step of a length, K, is small.
+    fn suffice(self, step_k: f64) -> bool {
+        match self {
+            Self::Own => step_k <= LAST_STEP_K,
+            Self::Earlier { ratio } => step_k * ratio <= CHORD_ERROR_K,
+        }
+    }
+
+    /// Whether they will do for the step after one of a length, K.
+    fn serve_after(self, step_k: f64) -> bool {
+        match self {
+            Self::Own => step_k <= CHORD_BELOW_K,
+            Self::Earlier { ratio } => ratio <= CHORD_RATIO,
+        }
+    }
 }
 
 /// Work of a solve.
@@ -142,6 +177,8 @@ pub(super) fn solve<V: Lanes>(
 ) -> SteadyStats {
     let mut stats = SteadyStats::default();
     last_step.fill(f64::INFINITY);
+    let keeps_factors = V::COUNT == 1 && linear.is_costly();
+    let mut factors = Factors::Own;
     loop {
         watch::check();
         equations.program.run(segment::RESIDUAL, &mut state.file);
@@ -153,7 +190,7 @@ pub(super) fn solve<V: Lanes>(
             if status[lane] != LaneStatus::Running {
                 continue;
             }
-            if last_step[lane] <= LAST_STEP_K
+            if factors.suffice(last_step[lane])
                 && closes_with(equations, &mut state.file, held, lane, worst.lane(lane), &mut sizes_ready)
             {
                 status[lane] = LaneStatus::Converged(stats.iterations);
@@ -166,22 +203,26 @@ pub(super) fn solve<V: Lanes>(
         if running == 0 {
             return stats;
         }
-        equations.program.run(segment::JACOBIAN, &mut state.file);
-        linear.load(equations, &state.file);
-        hold(linear, held);
-        linear.factor();
+        let chord = keeps_factors && factors.serve_after(last_step[0]);
+        if !chord {
+            equations.program.run(segment::JACOBIAN, &mut state.file);
+            linear.load(equations, &state.file);
+            hold(linear, held);
+            linear.factor();
+            stats.factorisations += 1;
+        }
         for (row, (step, register)) in state.step.iter_mut().zip(&equations.residual).enumerate() {
             *step = if is_held(held, row) { V::splat(0.0) } else { state.file[register.index()].map(|r| -r) };
         }
         linear.solve(&mut state.step);
         stats.iterations += 1;
-        stats.factorisations += 1;
         if running < V::COUNT {
             for lane in (0..V::COUNT).filter(|&lane| status[lane] != LaneStatus::Running) {
                 state.step.iter_mut().for_each(|step| step.set_lane(lane, 0.0));
             }
         }
         let largest = advance(equations, state);
+        factors = if chord { Factors::Earlier { ratio: largest.lane(0) / last_step[0] } } else { Factors::Own };
         for (lane, status) in status.iter_mut().enumerate() {
             if *status == LaneStatus::Running {
                 last_step[lane] = largest.lane(lane);

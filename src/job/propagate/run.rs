@@ -19,8 +19,11 @@ use crate::job::{ByCase, Done, Job, JobError, Parts, Step};
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::requirement::Environment;
 
-/// Samples in a block; part of the job's identity.
+/// Most samples in a block; part of the job's identity.
 pub(super) const BLOCK: u64 = 8192;
+/// Fewest, and unknown temperatures in all samples of a block: a large network gives every thread work.
+const SMALLEST_BLOCK: u64 = 64;
+const BLOCK_TEMPERATURES: u64 = 1 << 17;
 /// The same where the model is asked outside, which takes its time: what a kill costs at most.
 const EXTERNAL_BLOCK: u64 = 16;
 /// Batches whose points are drawn at once.
@@ -141,7 +144,11 @@ impl Propagate {
 
     /// Samples in a block; part of the job's identity.
     fn block_samples(&self) -> u64 {
-        if self.network.external().is_some_and(|own| !own.is_surrogate()) { EXTERNAL_BLOCK } else { BLOCK }
+        if self.network.external().is_some_and(|own| !own.is_surrogate()) {
+            return EXTERNAL_BLOCK;
+        }
+        let unknowns = (self.network.unknowns() as u64).max(1).next_power_of_two();
+        (BLOCK_TEMPERATURES / unknowns).clamp(SMALLEST_BLOCK, BLOCK)
     }
 
     /// The same with draws in place of the priors of some parameters; posteriors without draws yet may stand among them, for
