@@ -1,20 +1,17 @@
 """Ten orbits of a panel of 200 nodes beside scipy's LSODA with one thread for its linear algebra, at the same error.
 
-usage: python benches/peers/transient.py BMV [REPEATS]; needs numpy and scipy. CPU seconds, medians of the repeats. The network is that of
-`tests/verification/orbit.rs` (`panel200`), read every minute at ten nodes. The reference is LSODA itself, begun anew at each corner of the
-sun's course, with tolerances a thousand times tighter. `bmv compare` solves the same from a study whose readings are the reference, so
-that the largest deviation is its error; what the same takes over the first minute is taken off. LSODA runs at several tolerances; its time at `bmv`'s error is
+usage: python benches/peers/transient.py PANEL [REPEATS]; needs numpy and scipy. PANEL is the example `panel` of `benches`, the
+network `panel200` of `tests/verification/orbit.rs`, read every minute at ten nodes. CPU seconds: of LSODA medians of the repeats, of
+PANEL what ten further runs in one process add, a tenth of it, the median of the repeats. The reference is LSODA itself, begun anew at each corner of
+the sun's course, with tolerances a thousand times tighter. LSODA runs at several tolerances; its time at PANEL's error is
 read off the straight line through the two nearest on logarithmic axes. Its functions get a hand-written Jacobian.
 """
 
-import json
 import os
-import pathlib
 import resource
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 
 for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -91,32 +88,6 @@ class Equations:
         return np.hstack(rows)[READ].T
 
 
-def study(folder, reference, count):
-    conductors, radiations, capacities = network()
-    name = lambda node: {200: "base", 201: "space"}.get(node, f"n{node}")
-    model = {
-        "format": "bmv-network/1", "title": "Panel",
-        "nodes": {"base": {"boundary": BASE_K}, "space": {"boundary": SPACE_K}}
-        | {name(k): {"capacity": capacity} for k, capacity in enumerate(capacities)},
-        "conductors": {f"c{k}": {"between": [name(a), name(b)], "conductance": size} for k, (a, b, size) in enumerate(conductors)},
-        "radiations": {f"r{k}": {"between": [name(a), name(b)], "exchange_area": size} for k, (a, b, size) in enumerate(radiations)},
-        "loads": {f"s{k}": {"into": name(k), "power": f"2.722 * max(0, cos(2 * pi * t / {PERIOD_S}))"} for k in range(200)}
-        | {f"h{k}": {"into": name(k), "power": 4} for k in HEATED},
-    }
-    sensors = {name(k): {"measures": name(k), "sigma": {"value": 1, "unit": "K"}} for k in READ}
-    record = {"file": "orbits.csv", "sensors": sensors, "initial": {"temperatures": {"all": {"value": START_K, "unit": "K"}}}}
-    a_pass = {
-        "format": "bmv-pass/1", "title": "Orbits", "parent": None, "model": "model.json", "measurements": {"orbits": {"transient": record}},
-        "jobs": {"delivered": {"compare": {"data": ["orbits"]}}},
-    }
-    rows = [",".join(["time [s]", *(f"{name(k)} [K]" for k in READ)])]
-    rows += [",".join([f"{t:.0f}", *(f"{value:.9f}" for value in row)]) for t, row in zip(OUTPUTS_S[:count], reference)]
-    folder.mkdir()
-    (folder / "model.json").write_text(json.dumps(model))
-    (folder / "pass-1.json").write_text(json.dumps(a_pass))
-    (folder / "orbits.csv").write_text("\n".join(rows) + "\n")
-
-
 def program_s(command):
     """CPU seconds of a program and what it prints."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -141,18 +112,14 @@ def main(program, repeats="5"):
             times.append(time.process_time() - clock)
         points.append((np.abs(found - reference).max(), statistics.median(times)))
         print(f"LSODA, rtol {tolerance:g}: error {points[-1][0]:.2e} K, {points[-1][1]:.3f} s of CPU")
-    with tempfile.TemporaryDirectory() as folder:
-        medians = []
-        for count in (2, len(OUTPUTS_S)):
-            own = pathlib.Path(folder) / f"{count}-rows"
-            study(own, reference, count)
-            command = [program, "compare", str(own / "pass-1.json"), "--json", "--threads", "1", "--cache"]
-            runs = [program_s([*command, str(own / f"cache-{k}")]) for k in range(repeats)]
-            medians.append(statistics.median(seconds for seconds, _ in runs))
-            text = runs[0][1]
-    error = max(abs(sensor["delivered"]["max"]) for sensor in json.loads(text)["sensors"].values())
-    own = medians[1] - medians[0]
-    print(f"bmv: error {error:.2e} K, {own:.3f} s of CPU ({medians[1]:.3f} s, of which {medians[0]:.3f} s for the first minute)")
+    read = [str(node) for node in READ]
+    times = []
+    for _ in range(repeats):
+        (one, text), (eleven, _) = (program_s([program, str(runs), *read]) for runs in (1, 11))
+        times.append((eleven - one) / 10)
+    error = np.abs(np.loadtxt(text.splitlines()) - reference).max()
+    own = statistics.median(times)
+    print(f"panel: error {error:.2e} K, {own:.4f} s of CPU")
     points.sort()
     near = sorted(points, key=lambda one: abs(np.log(one[0] / error)))[:2]
     (e0, s0), (e1, s1) = sorted(near)

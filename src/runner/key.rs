@@ -15,7 +15,7 @@ use crate::document::{canonical, hash};
 
 /// Version of the numeric engine: raised when any change of the shared numeric code (solvers, streams, distributions,
 /// reductions) moves any result. A single job kind's change raises that kind's own `algorithm_version` instead.
-pub const ENGINE_VERSION: u32 = 4;
+pub const ENGINE_VERSION: u32 = 5;
 
 /// Version of the form in which blocks are stored; those of another form are not looked for.
 const BLOCK_VERSION: u32 = 2;

@@ -268,6 +268,74 @@ fn a_large_network_agrees_with_its_heat_balance_and_its_differences() {
     }
 }
 
+/// Surfaces that all exchange radiation, each heated by its own parameter, and the fourth powers of their temperatures by a
+/// dense solution of the balances, which are linear in these.
+#[test]
+fn factors_that_serve_several_steps_lead_to_the_exact_enclosure() {
+    const NODES: usize = 120;
+    let sigma = 5.670374419e-8;
+    let area = |i: usize, j: usize| 1e-3 * (1.0 + 0.5 * libm::sin((i * j) as f64));
+    let power = |i: usize| 5.0 + 4.0 * libm::cos(i as f64);
+    let mut b = Build::default();
+    let nodes: Vec<usize> = (0..NODES).map(|i| b.diffusion(&format!("n{i}"), 1.0)).collect();
+    let cold = b.n(80.0);
+    let space = b.boundary("space", cold);
+    let mut balances = nalgebra::DMatrix::zeros(NODES, NODES);
+    let mut heats = nalgebra::DVector::zeros(NODES);
+    for i in 0..NODES {
+        let heat = b.parameter(&format!("p{i}"), power(i));
+        b.load(&format!("q{i}"), nodes[i], heat);
+        let outside = 0.01;
+        let exchange = b.n(outside);
+        b.radiation(&format!("s{i}"), [nodes[i], space], exchange);
+        balances[(i, i)] += sigma * outside;
+        heats[i] += sigma * outside * 80.0_f64.powi(4);
+        for j in 0..i {
+            let exchange = b.n(area(i, j));
+            b.radiation(&format!("r{i}-{j}"), [nodes[i], nodes[j]], exchange);
+            balances[(i, i)] += sigma * area(i, j);
+            balances[(j, j)] += sigma * area(i, j);
+            balances[(i, j)] -= sigma * area(i, j);
+            balances[(j, i)] -= sigma * area(i, j);
+        }
+    }
+    b.temperature("first", nodes[0]);
+    let network = Network::compile(&b.model, &[Symbol::Parameter(7)]).unwrap();
+    let factors = balances.lu();
+    let exact = |changed: f64| -> Vec<f64> {
+        let mut heats = heats.clone();
+        (0..NODES).for_each(|i| heats[i] += power(i));
+        heats[7] += changed;
+        factors.solve(&heats).unwrap().iter().map(|u: &f64| u.sqrt().sqrt()).collect()
+    };
+    let mut ws = network.workspace();
+    let stats = network.solve_steady(&mut ws, Start::Default).unwrap();
+    assert!(2 * stats.factorisations <= stats.iterations, "{stats:?}");
+    let reference = ws.temperatures().to_vec();
+    for (value, exact) in reference.iter().zip(exact(0.0)) {
+        // A balance may be open by 1e-9 W, which is 2e-9 K at these surfaces.
+        assert!((value - exact).abs() < 1e-8, "{value} {exact}");
+    }
+    // Derivatives are made with slopes of the solution itself, not with those that served on the way.
+    let mut slope = [0.0];
+    network.quantity_tangent(&mut ws, &mut slope).unwrap();
+    let difference = (exact(0.1)[0] - exact(-0.1)[0]) / 0.2;
+    assert!((slope[0] / difference - 1.0).abs() < 1e-5, "{} {difference}", slope[0]);
+    // A lane has the bits of a solution alone.
+    let mut batch = network.batch::<8>();
+    network.solve_steady_batch(&mut batch, Start::Default);
+    for (node, value) in reference.iter().enumerate() {
+        assert_eq!(batch.temperature(3, node).to_bits(), value.to_bits());
+    }
+    // From near the solution one factorisation is enough.
+    let near: Vec<f64> = reference.iter().map(|value| value + 3.0).collect();
+    let stats = network.solve_steady(&mut ws, Start::Temperatures(&near)).unwrap();
+    assert_eq!(stats.factorisations, 1, "{stats:?}");
+    for (value, first) in ws.temperatures().iter().zip(&reference) {
+        assert!((value - first).abs() < 1e-9, "{value} {first}");
+    }
+}
+
 #[test]
 fn a_boundary_below_absolute_zero_is_refused_wherever_it_comes_from() {
     // -30, meant in degC but read in K: radiation to it would go with (-30 K)^4.

@@ -16,7 +16,7 @@ use super::network::NetworkError;
 const DENSE_UP_TO: usize = 32;
 
 /// Most multiplications of a factorisation by lists: they take memory, and blocks are better at many.
-const LISTED_UP_TO: f64 = 20_000.0;
+const LISTED_UP_TO: f64 = 100_000.0;
 /// Share of the multiplications of a dense factorisation up to which lists are better than passing over zeros.
 const SHARE_LISTED: f64 = 0.25;
 /// Sparse factors of all lanes side by side take about as long as those of one lane in so many, one after the other.

@@ -48,6 +48,8 @@ pub(super) struct Integrator<'a> {
     pub stage_slopes: Vec<Vec<f64>>,
     pub base: Vec<f64>,
     pub step: Vec<f64>,
+    /// Reciprocal of the error allowed at the temperatures at `time_s`, 1/K.
+    pub allowed: Vec<f64>,
     pub matrix: StepMatrix,
     pub predictors: [[f64; STAGES]; STAGES],
     /// Slopes at the start of the last step and its length, where the solution was smooth since.
@@ -133,6 +135,7 @@ impl<'a> Integrator<'a> {
             stage_slopes: vec![vec![0.0; size]; STAGES],
             base: vec![0.0; size],
             step: vec![0.0; size],
+            allowed: vec![0.0; size],
             matrix: StepMatrix {
                 jacobian: vec![0.0; equations.jacobian.len()],
                 capacity: vec![0.0; size],
@@ -420,7 +423,7 @@ impl<'a> Integrator<'a> {
                         self.evaluate_at_start();
                         continue;
                     }
-                    self.commit(to_event, self.time_s + to_event, recorder, result)?;
+                    self.commit(to_event, self.time_s + to_event, true, recorder, result)?;
                 }
                 self.switch(result)?;
                 self.check_cycling([start_s, end_s], most_switchings, result)?;
@@ -435,12 +438,13 @@ impl<'a> Integrator<'a> {
                 }
             }
             let arrival = if reaches_stop { stop } else { self.time_s + present };
-            self.commit(present, arrival, recorder, result)?;
+            let enters_row = reaches_stop && corner.is_some();
+            let jumps = enters_row && self.reader.steps_at(arrival);
+            self.commit(present, arrival, jumps || discontinuity.is_some(), recorder, result)?;
             if let Some((_, after)) = discontinuity {
                 self.pass_discontinuity(after)?;
                 last_error = 0.0;
-            } else if reaches_stop && corner.is_some() {
-                let jumps = self.reader.steps_at(self.time_s);
+            } else if enters_row {
                 self.reader.enter(self.time_s);
                 if jumps {
                     self.restart()?;
@@ -484,19 +488,23 @@ impl<'a> Integrator<'a> {
     /// Tries a step; the state moves only in [`Integrator::commit`].
     fn attempt(&mut self, step_s: f64) -> Attempt {
         self.prepare_matrix(step_s);
+        for (allowed, value) in self.allowed.iter_mut().zip(&self.stage_values[0]) {
+            *allowed = (self.options.absolute_tolerance_k + self.options.relative_tolerance * value).recip();
+        }
         for stage in 1..STAGES {
             if !self.solve_stage(stage, step_s) {
                 return Attempt::Unsolved;
             }
         }
         let mut worst: f64 = 0.0;
+        let weights: [f64; STAGES] = std::array::from_fn(tableau::error_weight);
         for row in 0..self.equations.size() {
             if !self.stores(row) {
                 continue;
             }
             let mut error = 0.0;
-            for stage in 0..STAGES {
-                error += tableau::error_weight(stage) * self.stage_slopes[stage][row];
+            for (weight, slopes) in weights.iter().zip(&self.stage_slopes) {
+                error += weight * slopes[row];
             }
             let size = self.stage_values[0][row].abs().max(self.stage_values[STAGES - 1][row].abs());
             let allowed = self.options.absolute_tolerance_k + self.options.relative_tolerance * size;
@@ -509,21 +517,25 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Moves to the end of the step just tried: derivatives, outputs, then the state.
+    /// Moves to the end of the step just tried: derivatives, outputs, then the state. Where it restarts there, slopes for the
+    /// matrix of the next step are left to the restart.
     fn commit(
         &mut self,
         step_s: f64,
         arrival_s: f64,
+        restarts: bool,
         recorder: &mut Recorder<'_>,
         result: &mut Transient,
     ) -> Result<(), TransientError> {
         // The file still holds the last evaluation of the last stage, a Newton correction away from the result.
         let renew = self.linear.is_cheap() || self.matrix.age >= 20 || self.contraction > 0.1;
         self.matrix.age += 1;
-        let slopes = renew.then(|| self.refresh_slopes(STAGES - 1));
+        if renew && !restarts {
+            self.refresh_slopes(STAGES - 1);
+        }
         self.step_tangent(step_s);
         recorder.record(self, step_s, arrival_s, result)?;
-        if slopes.is_none() {
+        if !renew {
             self.contraction = self.contraction.max(0.02);
         }
         self.stats.steps += 1;

@@ -84,7 +84,7 @@ impl Integrator<'_> {
 
     /// Solves a stage; `false` if the iteration does not converge to positive temperatures.
     pub(super) fn solve_stage(&mut self, stage: usize, step_s: f64) -> bool {
-        let implicit = GAMMA * step_s;
+        let rate = (GAMMA * step_s).recip();
         self.stage_base(stage, step_s);
         self.predict(stage, step_s);
         let time_s = self.time_s + NODES[stage] * step_s;
@@ -96,7 +96,7 @@ impl Integrator<'_> {
                 let heat = self.file[self.equations.residual[row].index()];
                 let stored = match self.equations.capacity[row] {
                     Some(register) => {
-                        self.file[register.index()] * (self.stage_values[stage][row] - self.base[row]) / implicit
+                        self.file[register.index()] * (self.stage_values[stage][row] - self.base[row]) * rate
                     }
                     None => 0.0,
                 };
@@ -105,10 +105,9 @@ impl Integrator<'_> {
             self.linear.solve(&mut self.step);
             self.stats.solves += 1;
             let mut size: f64 = 0.0;
-            for (value, step) in self.stage_values[stage].iter_mut().zip(&self.step) {
+            for ((value, step), allowed) in self.stage_values[stage].iter_mut().zip(&self.step).zip(&self.allowed) {
                 *value += step;
-                let allowed = self.options.absolute_tolerance_k + self.options.relative_tolerance * value.abs();
-                let share = step.abs() / allowed;
+                let share = step.abs() * allowed;
                 // Written so that a NaN stays.
                 if !(share <= size) {
                     size = share;
@@ -130,11 +129,8 @@ impl Integrator<'_> {
             last_size = size;
             if size * self.contraction.min(1.0) <= self.options.newton_share {
                 for row in 0..self.step.len() {
-                    self.stage_slopes[stage][row] = if self.stores(row) {
-                        (self.stage_values[stage][row] - self.base[row]) / implicit
-                    } else {
-                        0.0
-                    };
+                    self.stage_slopes[stage][row] =
+                        if self.stores(row) { (self.stage_values[stage][row] - self.base[row]) * rate } else { 0.0 };
                 }
                 return true;
             }
