@@ -60,6 +60,10 @@ scattered +nodes="100 300 1000":
 readings:
     cargo build --release && GRID="--sensors 200 --rows 1000 --noise --jobs compare" VERBS="plan compare report" benches/sizes/run.sh target/release/bmv 300
 
+# a transient of 200 nodes beside LSODA at the same error; PYTHON has numpy and scipy
+panel python="python3":
+    cargo build --release --package bmv-benches --example panel && {{python}} benches/peers/transient.py target/release/examples/panel
+
 # 64 conductivities of the Poisson benchmark calibrated, and held against an independent sampler of numpy and scipy
 poisson:
     cargo build --release && python3 tests/reference/poisson/posterior.py target/release/bmv target/poisson
