@@ -39,6 +39,8 @@ pub(super) struct Integrator<'a> {
     pub linear: Linear<f64>,
     /// For the arithmetic nodes alone; `None` without any.
     pub algebraic: Option<Linear<f64>>,
+    /// Unknowns that store no heat.
+    pub arithmetic: Vec<usize>,
     /// Unknowns that store heat and are in balance at the start; none later.
     pub balanced: Vec<bool>,
     pub time_s: f64,
@@ -83,11 +85,6 @@ enum Attempt {
     Unsolved,
 }
 
-/// Whether an unknown stores no heat.
-fn has_arithmetic(equations: &Equations) -> bool {
-    equations.capacity.iter().any(Option::is_none)
-}
-
 impl<'a> Integrator<'a> {
     pub fn new(network: &'a Network, request: &TransientRequest<'a>) -> Result<Self, TransientError> {
         let equations = network.switched.as_ref().unwrap_or(&network.steady);
@@ -115,7 +112,8 @@ impl<'a> Integrator<'a> {
             return Err(TransientError::Request { what: "the instants of inputs must increase", value: pair[1] });
         }
         let balanced: Vec<bool> = equations.unknowns.iter().map(|node| request.balanced.contains(node)).collect();
-        let has_balances = has_arithmetic(equations) || balanced.contains(&true);
+        let arithmetic: Vec<usize> = (0..size).filter(|&row| equations.capacity[row].is_none()).collect();
+        let has_balances = !arithmetic.is_empty() || balanced.contains(&true);
         let linear = network.transient_linear();
         let time_s = request.start_s.or_else(|| request.inputs.times_s.first().copied()).unwrap_or(0.0);
         let mut predictors = [[0.0; STAGES]; STAGES];
@@ -128,6 +126,7 @@ impl<'a> Integrator<'a> {
             reader: InputReader::new(request.inputs),
             options: request.options,
             algebraic: has_balances.then(|| linear.clone()),
+            arithmetic,
             balanced,
             linear,
             time_s,
@@ -235,7 +234,7 @@ impl<'a> Integrator<'a> {
         self.choose_modes()?;
         self.restart()?;
         self.balanced.fill(false);
-        if !has_arithmetic(self.equations) {
+        if self.arithmetic.is_empty() {
             self.algebraic = None;
         }
         Ok(())
@@ -496,19 +495,21 @@ impl<'a> Integrator<'a> {
                 return Attempt::Unsolved;
             }
         }
+        // The iterations' room is free now: the error of each temperature.
+        self.step.fill(0.0);
+        for (stage, slopes) in self.stage_slopes.iter().enumerate() {
+            let weight = step_s * tableau::error_weight(stage);
+            self.step.iter_mut().zip(slopes).for_each(|(error, slope)| *error += weight * slope);
+        }
+        for &row in &self.arithmetic {
+            self.step[row] = 0.0;
+        }
         let mut worst: f64 = 0.0;
-        let weights: [f64; STAGES] = std::array::from_fn(tableau::error_weight);
-        for row in 0..self.equations.size() {
-            if !self.stores(row) {
-                continue;
-            }
-            let mut error = 0.0;
-            for (weight, slopes) in weights.iter().zip(&self.stage_slopes) {
-                error += weight * slopes[row];
-            }
-            let size = self.stage_values[0][row].abs().max(self.stage_values[STAGES - 1][row].abs());
+        let ends = self.stage_values[0].iter().zip(&self.stage_values[STAGES - 1]);
+        for (error, (start, end)) in self.step.iter().zip(ends) {
+            let size = start.abs().max(end.abs());
             let allowed = self.options.absolute_tolerance_k + self.options.relative_tolerance * size;
-            worst = worst.max((step_s * error).abs() / allowed);
+            worst = worst.max(error.abs() / allowed);
         }
         if worst <= 1.0 || self.options.fixed_step_s.is_some() {
             Attempt::Accepted { error: worst }

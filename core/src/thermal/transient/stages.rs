@@ -42,9 +42,7 @@ impl Integrator<'_> {
         for earlier in 0..stage {
             let weight = step_s * COEFFICIENTS[stage][earlier];
             if weight != 0.0 {
-                for (base, slope) in self.base.iter_mut().zip(&self.stage_slopes[earlier]) {
-                    *base += weight * slope;
-                }
+                add_multiple(&mut self.base, weight, &self.stage_slopes[earlier]);
             }
         }
     }
@@ -52,32 +50,28 @@ impl Integrator<'_> {
     /// A first guess of a stage from the earlier ones.
     fn predict(&mut self, stage: usize, step_s: f64) {
         let (earlier_values, later_values) = self.stage_values.split_at_mut(stage);
-        let (earlier_slopes, _) = self.stage_slopes.split_at(stage);
+        let earlier_slopes = &self.stage_slopes[..stage];
         let weights = &self.predictors[stage];
         let stage_values = &mut later_values[0];
-        let implicit = GAMMA * step_s;
-        for row in 0..stage_values.len() {
-            stage_values[row] = if self.equations.capacity[row].is_some() {
-                let mut slope = 0.0;
-                for (weight, slopes) in weights.iter().zip(earlier_slopes) {
-                    slope += weight * slopes[row];
-                }
-                if stage == 1
-                    && let Some(before) = self.previous_step_s
-                {
-                    // The slope goes on as it went over the last step.
-                    slope += NODES[1] * step_s * (slope - self.previous_slope[row]) / before;
-                }
-                self.base[row] + implicit * slope
-            } else {
-                let mut value = 0.0;
-                for (weight, values) in weights.iter().zip(earlier_values.iter()) {
-                    value += weight * values[row];
-                }
-                value
-            };
-            if !(stage_values[row] > 0.0) {
-                stage_values[row] = earlier_values[0][row];
+        stage_values.copy_from_slice(&self.base);
+        for (weight, slopes) in weights.iter().zip(earlier_slopes).filter(|(weight, _)| **weight != 0.0) {
+            add_multiple(stage_values, GAMMA * step_s * weight, slopes);
+        }
+        if stage == 1
+            && let Some(before) = self.previous_step_s
+        {
+            // The slope goes on as it went over the last step.
+            let further = GAMMA * step_s * NODES[1] * step_s / before;
+            add_multiple(stage_values, further, &earlier_slopes[0]);
+            add_multiple(stage_values, -further, &self.previous_slope);
+        }
+        for &row in &self.arithmetic {
+            stage_values[row] =
+                weights.iter().zip(earlier_values.iter()).map(|(weight, values)| weight * values[row]).sum();
+        }
+        for (value, start) in stage_values.iter_mut().zip(&earlier_values[0]) {
+            if !(*value > 0.0) {
+                *value = *start;
             }
         }
     }
@@ -92,15 +86,11 @@ impl Integrator<'_> {
         let mut last_size = f64::INFINITY;
         for iteration in 0..ITERATIONS {
             self.evaluate(stage);
-            for row in 0..self.step.len() {
-                let heat = self.file[self.equations.residual[row].index()];
-                let stored = match self.equations.capacity[row] {
-                    Some(register) => {
-                        self.file[register.index()] * (self.stage_values[stage][row] - self.base[row]) * rate
-                    }
-                    None => 0.0,
-                };
-                self.step[row] = stored - heat;
+            let values = self.stage_values[stage].iter().zip(&self.base);
+            let registers = self.equations.residual.iter().zip(&self.equations.capacity);
+            for ((step, (value, base)), (heat, capacity)) in self.step.iter_mut().zip(values).zip(registers) {
+                let stored = capacity.map_or(0.0, |capacity| self.file[capacity.index()] * (value - base) * rate);
+                *step = stored - self.file[heat.index()];
             }
             self.linear.solve(&mut self.step);
             self.stats.solves += 1;
@@ -136,5 +126,13 @@ impl Integrator<'_> {
             }
         }
         false
+    }
+}
+
+/// `x += factor * y`.
+#[inline]
+fn add_multiple(x: &mut [f64], factor: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += factor * y;
     }
 }
