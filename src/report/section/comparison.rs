@@ -412,19 +412,19 @@ fn readings(report: &PassReport<'_>, output: &Output, has_several: bool) -> Opti
         .rows
         .iter()
         .map(|r| {
-            let shown: Shown = report.sensor_shown(&r.measurement, &r.sensor, &r.unit);
-            let moment = match (&r.phase, r.time_s) {
+            let shown: Shown = report.sensor_shown(r.measurement, r.sensor, r.unit);
+            let moment = match (r.phase, r.time_s) {
                 (Some(phase), _) => Cell::code(phase),
                 (None, Some(time)) => format!("{} s", fixed(time, 1)).into(),
                 (None, None) => NONE.into(),
             };
             vec![
-                Cell::code(&r.measurement),
+                Cell::code(r.measurement),
                 moment,
-                Cell::code(&r.sensor),
+                Cell::code(r.sensor),
                 shown.number(r.measured).into(),
                 shown.number(r.predicted).into(),
-                signed(r.measured - r.predicted, decimals(&r.unit)).into(),
+                signed(r.deviation(), decimals(r.unit)).into(),
                 shown.unit.clone().into(),
                 (if r.held_out { "held out" } else { "" }).into(),
             ]
