@@ -119,17 +119,22 @@ impl Compare {
         let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
         let summary = |phase: String, held_out: bool, is_within: &dyn Fn(Moment<'_>) -> bool| {
             let within = (0..table.len()).filter(|&row| is_within(table.moment(row)));
-            let rows = within.flat_map(|row| table.rows(row..row + 1)).filter(|row| row.unit == unit);
-            let rows: Vec<Row<&str>> = rows.collect();
-            let deviations: Vec<f64> = rows.iter().map(Row::deviation).collect();
-            let worst = rows.iter().max_by(|a, b| a.deviation().abs().total_cmp(&b.deviation().abs()))?;
+            let (mut deviations, mut worst) = (Vec::new(), None);
+            for row in within.flat_map(|row| table.rows(row..row + 1)).filter(|row| row.unit == unit) {
+                let deviation = row.deviation();
+                deviations.push(deviation);
+                if worst.is_none_or(|(_, before): (&str, f64)| before.abs().total_cmp(&deviation.abs()).is_le()) {
+                    worst = Some((row.sensor, deviation));
+                }
+            }
+            let (worst_sensor, worst) = worst?;
             Some(PhaseSummary {
                 measurement: measurement.name.clone(),
                 phase,
                 held_out,
                 deviation: deviation(&deviations, limit),
-                worst_sensor: worst.sensor.to_owned(),
-                worst: worst.deviation(),
+                worst_sensor: worst_sensor.to_owned(),
+                worst,
             })
         };
         match &measurement.rows {

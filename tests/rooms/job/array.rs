@@ -17,7 +17,11 @@ fn an_array_has_the_bytes_that_numpy_writes() {
 /// Arrays with a NaN, longer than what is hashed at a time, and with no number.
 fn arrays() -> [Array; 3] {
     let long = (0..20_001).map(|i| f64::from(i) / 7.0).collect();
-    [Array::new(vec![2, 2], vec![1.0, f64::NAN, -0.0, 4.0]), Array::new(vec![20_001], long), Array::new(vec![0, 3], vec![])]
+    [
+        Array::new(vec![2, 2], vec![1.0, f64::NAN, -0.0, 4.0]),
+        Array::new(vec![20_001], long),
+        Array::new(vec![0, 3], vec![]),
+    ]
 }
 
 #[test]
