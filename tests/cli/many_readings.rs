@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use bmv::job::array::Array;
 use serde_json::{Value, json};
 
-const ROWS: usize = 5100;
+const ROWS: usize = 10_500;
 
 /// A block that cools, read by two sensors, one of which says nothing in every fiftieth row; the last rows are held out.
 fn study() -> tempfile::TempDir {
@@ -24,7 +24,7 @@ fn study() -> tempfile::TempDir {
         "format": "bmv-pass/1", "title": "Cooling", "parent": null, "model": "model.json", "seed": 3,
         "measurements": {"cooling": {"transient": {
             "file": "cooling.csv", "initial": {"temperatures": {"all": 330}},
-            "held_out": {"from": {"value": 10_000, "unit": "s"}},
+            "held_out": {"intervals": [{"from": {"value": 20_800, "unit": "s"}}]},
             "sensors": {"block": {"measures": "block", "sigma": 0.2}, "shell": {"measures": "shell", "sigma": 0.2}}
         }}},
         "jobs": {"delivered": {"compare": {"data": ["cooling"]}}}

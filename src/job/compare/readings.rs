@@ -123,10 +123,10 @@ impl Table {
             measurement.readings.get(place).copied().flatten().filter(|_| is_predicted)
         };
         let of = |values: &[f64]| -> Vec<f64> {
-            places()
-                .map(|place| values.get(place).copied().filter(|_| read(place).is_some()).unwrap_or(f64::NAN))
-                .collect()
+            let at = |place: usize| values.get(place).copied().filter(|v| v.is_finite() && read(place).is_some());
+            places().map(|place| at(place).unwrap_or(f64::NAN)).collect()
         };
+        let tuned = of(tuned);
         let shape = || vec![rows.len(), columns];
         Self {
             measurement: measurement.name.clone(),
@@ -141,7 +141,7 @@ impl Table {
             held_out: of_rows(held_out),
             measured: Array::new(shape(), places().map(|place| read(place).unwrap_or(f64::NAN)).collect()),
             predicted: Array::new(shape(), of(predicted)),
-            tuned: Some(of(tuned)).map(only_finite).filter(is_known).map(|values| Array::new(shape(), values)),
+            tuned: tuned.iter().any(|value| !value.is_nan()).then(|| Array::new(shape(), tuned)),
         }
     }
 
@@ -224,16 +224,6 @@ impl Table {
     }
 }
 
-/// Numbers of which those that are not finite are none.
-fn only_finite(mut values: Vec<f64>) -> Vec<f64> {
-    values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = f64::NAN);
-    values
-}
-
-fn is_known(values: &Vec<f64>) -> bool {
-    values.iter().any(|value| !value.is_nan())
-}
-
 /// The readings of a comparison, measurement by measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readings {
@@ -311,7 +301,7 @@ impl Readings {
 }
 
 /// Readings up to which all of them stand in JSON, a row each.
-const MOST_ROWS: usize = 10_000;
+const MOST_ROWS: usize = 20_000;
 
 /// Whether so many readings stand as arrays beside the JSON.
 pub fn is_long(readings: usize) -> bool {

@@ -52,7 +52,8 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(stabilisation(output));
         if output.rows.len() > MOST_ROWS {
             let text = Text::new(format!("All {} readings beside their predictions are in ", output.rows.len()));
-            let text = if output.rows.arrays().is_empty() { text } else { text.code("results/*.npy").plain(" beside ") };
+            let text =
+                if output.rows.arrays().is_empty() { text } else { text.code("results/*.npy").plain(" beside ") };
             blocks.push(Block::Paragraph(text.code("results.json").plain(".")));
         } else {
             blocks.extend(readings(report, output, has_several(output)));

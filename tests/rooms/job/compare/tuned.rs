@@ -1,8 +1,8 @@
 //! Tests of `src/job/compare/tuned.rs`.
 
 use bmv::job::compare::deviation::common_unit;
-use bmv::job::compare::{Readings, Row};
 use bmv::job::compare::tuned::*;
+use bmv::job::compare::{Readings, Row};
 use bmv::thermal::Model;
 
 #[test]
