@@ -31,7 +31,7 @@ fn run(job: &Propagate, pool: &rayon::ThreadPool) -> serde_json::Value {
     let mut next = job.begin().unwrap();
     loop {
         match next {
-            Next::Done(value) => return value,
+            Next::Done(result) => return result.json,
             Next::Stage(stage) => {
                 let blocks = (0..stage.inputs.len()).into_par_iter();
                 let block = |index| job.block(&stage, index, &NoParts).unwrap();

@@ -8,7 +8,7 @@ pub fn run(job: &dyn Runnable) -> Result<Value, JobError> {
     let mut next = job.begin()?;
     loop {
         match next {
-            Next::Done(value) => return Ok(value),
+            Next::Done(result) => return Ok(result.json),
             Next::Stage(stage) => {
                 let block = |index| job.block(&stage, index, &NoParts);
                 let outputs = (0..stage.inputs.len()).map(block).collect::<Result<Vec<_>, _>>()?;

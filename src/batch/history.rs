@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use serde_json::Value;
-
 use super::executed::Executed;
 use super::{BatchError, LoadedPass};
+use crate::job::kind::{self, AnyOutput};
 use crate::report::terminal::escaped;
 use crate::report::{History, PassErrors};
 use crate::study;
@@ -21,22 +20,24 @@ pub fn history(passes: &[&LoadedPass], executed: &Executed) -> Result<History, B
     for position in study::history::order(&names) {
         let pass = passes[position];
         let judge = study::history::judged_by(&pass.pass);
-        let result = |name: Option<&str>| -> Option<(String, Arc<Value>)> {
+        let output = |name: Option<&str>| -> Result<Option<Arc<dyn AnyOutput>>, BatchError> {
             let is_own = |at: usize| Some(executed.plan.nodes()[at].name.as_str()) == name;
-            let (at, job) = executed.results(pass).find(|&(at, _)| is_own(at))?;
-            Some((executed.plan.nodes()[at].name.clone(), Arc::clone(&job.stored.value)))
+            let found = executed.results(pass).find(|&(at, _)| is_own(at));
+            let Some((at, job)) = found else { return Ok(None) };
+            let kind = kind::find(executed.plan.nodes()[at].task.kind());
+            let read = kind.map(|kind| kind.output(&job.stored.value, &job.stored.arrays)).transpose();
+            read.map_err(|error| BatchError::job(format!("{}: {error}", escaped(&pass.shown))))
         };
-        let comparison = result(judge.map(|judge| judge.comparison));
-        let calibration = result(judge.and_then(|judge| judge.calibration));
+        let (comparison, calibration) = judge.map_or((None, None), |judge| (Some(judge.comparison), judge.calibration));
+        let outputs = (output(comparison)?, output(calibration)?);
         let parent = pass.pass.parents.first();
         let parent = passes.iter().find(|other| Some(&other.file) == parent).map(|other| other.pass.as_ref());
-        let errors = PassErrors::new(
+        history.passes.push(PassErrors::new(
             &pass.pass,
             parent,
-            comparison.as_ref().map(|(name, value)| (name.as_str(), value.as_ref())),
-            calibration.as_ref().map(|(name, value)| (name.as_str(), value.as_ref())),
-        );
-        history.passes.push(errors.map_err(|error| BatchError::job(format!("{}: {error}", escaped(&pass.shown))))?);
+            comparison.zip(outputs.0.as_ref().and_then(|output| output.as_any().downcast_ref())),
+            calibration.zip(outputs.1.as_ref().and_then(|output| output.as_any().downcast_ref())),
+        ));
     }
     Ok(history)
 }

@@ -174,13 +174,13 @@ fn present(
     date: Option<&str>,
 ) -> Result<Baseline, BatchError> {
     let node = &executed.plan.nodes()[position];
-    let (name, result) = (node.task.kind(), &finished.stored.value);
+    let (name, result) = (node.task.kind(), &finished.stored);
     let unreadable = |reason: String| BatchError::job(format!("the result of job `{}`: {reason}", node.id));
     let kind = kind::find(name).ok_or_else(|| unreadable(format!("there is no kind `{name}`")))?;
-    let output = kind.output(result).map_err(|error| unreadable(error.to_string()))?;
+    let output = kind.output(&result.value, &result.arrays).map_err(|error| unreadable(error.to_string()))?;
     let versions = (name, node.task.algorithm_version(), ENGINE_VERSION);
     let numbers = output.key_numbers().into_iter().filter(|number| number.value.is_finite()).collect();
-    Ok(Baseline::new(because, date, versions, (node.seed, &finished.key), &finished.stored.sha256, numbers))
+    Ok(Baseline::new(because, date, versions, (node.seed, &finished.key), &result.sha256, numbers))
 }
 
 /// Holds the results of a run against their baselines; `other_seed` is the seed of the run where it is not that of the

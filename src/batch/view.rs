@@ -51,7 +51,7 @@ pub(super) fn view_in<'p>(
         .results(pass)
         .map(|(position, job)| {
             let node = &executed.plan.nodes()[position];
-            FinishedJob { name: &node.name, kind: node.task.kind(), key: job.key.as_str(), result: &job.stored.value }
+            FinishedJob { name: &node.name, kind: node.task.kind(), key: job.key.as_str(), result: &job.stored }
         })
         .collect();
     let warnings = pass.not_run.iter().cloned().chain(failures(pass, executed)).collect();

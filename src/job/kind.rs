@@ -6,9 +6,11 @@ use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
+use serde::de::Error as _;
 use serde::{Deserialize as _, Serialize};
 use serde_json::Value;
 
+use super::array::{Array, Arrays};
 use super::key_number::KeyNumber;
 use super::ready::{Readiness, Shared};
 use super::{JobError, KINDS};
@@ -64,6 +66,19 @@ pub trait JobKind: Sync + 'static {
         serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))
     }
 
+    /// The arrays of the result, each with a name, whose numbers stand beside its JSON.
+    fn arrays(_output: &Self::Output) -> Vec<(String, Array)> {
+        Vec::new()
+    }
+
+    /// Puts numbers that stand beside its JSON into a result that was read from that.
+    ///
+    /// # Errors
+    /// The hash of an array that is not among these.
+    fn fill(_output: &mut Self::Output, _arrays: &Arrays) -> Result<(), String> {
+        Ok(())
+    }
+
     /// The result without its single readings, where it has some.
     fn without_rows(_output: &Self::Output) -> Option<Self::Output> {
         None
@@ -83,8 +98,8 @@ pub trait ErasedKind: study_job::Kind {
     /// Reads a stored result.
     ///
     /// # Errors
-    /// A result that does not have the form that this version writes.
-    fn output(&self, result: &Value) -> Result<Arc<dyn AnyOutput>, serde_json::Error>;
+    /// A result that does not have the form that this version writes, or lacks an array.
+    fn output(&self, result: &Value, arrays: &Arrays) -> Result<Arc<dyn AnyOutput>, serde_json::Error>;
     /// See [`JobKind::ready`]; `None` where the settings are of another kind.
     ///
     /// # Errors
@@ -127,8 +142,14 @@ impl<K: JobKind> ErasedKind for K {
         schemars::schema_for!(K::Output).to_value()
     }
 
-    fn output(&self, result: &Value) -> Result<Arc<dyn AnyOutput>, serde_json::Error> {
-        K::Output::deserialize(result).map(output::<K>)
+    fn output(&self, result: &Value, arrays: &Arrays) -> Result<Arc<dyn AnyOutput>, serde_json::Error> {
+        let mut read = K::Output::deserialize(result)?;
+        K::fill(&mut read, arrays).map_err(|sha256| {
+            serde_json::Error::custom(format_args!(
+                "the array with the SHA-256 {sha256} is not there, or has another shape"
+            ))
+        })?;
+        Ok(output::<K>(read))
     }
 
     fn ready(&self, spec: &JobSpec, shared: &Shared, name: &str) -> Result<Option<Readiness>, JobError> {
@@ -161,6 +182,8 @@ pub trait AnyOutput: fmt::Debug + Send + Sync {
     /// # Errors
     /// A result that cannot be written as JSON.
     fn document(&self, with_rows: bool) -> Result<Value, JobError>;
+    /// See [`JobKind::arrays`].
+    fn arrays(&self) -> Vec<(String, Array)>;
     /// See [`JobKind::key_numbers`].
     fn key_numbers(&self) -> Vec<KeyNumber>;
     /// See [`JobKind::without_rows`].
@@ -191,6 +214,10 @@ impl<K: JobKind> AnyOutput for OutputOf<K> {
 
     fn document(&self, with_rows: bool) -> Result<Value, JobError> {
         K::document(&self.0, with_rows)
+    }
+
+    fn arrays(&self) -> Vec<(String, Array)> {
+        K::arrays(&self.0)
     }
 
     fn key_numbers(&self) -> Vec<KeyNumber> {

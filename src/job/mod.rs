@@ -2,6 +2,7 @@
 //! the state and the block's input, and reduces the blocks in order to the next stage or to the output. Nothing here knows
 //! threads or files.
 
+pub mod array;
 pub mod dataset;
 pub mod fault;
 pub mod key_number;
@@ -18,6 +19,7 @@ use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use crate::thermal::External;
+use array::Array;
 use kind::ErasedKind;
 pub use kind::{kinds, load};
 pub use ready::{delivered, ready};
@@ -157,6 +159,10 @@ pub trait Job: Send + Sync + Sized {
     /// # Errors
     /// A [`JobError`] where the job cannot go on.
     fn reduce(&self, state: Self::State, blocks: Done<Self>) -> Result<Step<Self>, JobError>;
+    /// The arrays of a result, each with a name, whose numbers stand beside its JSON.
+    fn arrays(_output: &Self::Output) -> Vec<(String, Array)> {
+        Vec::new()
+    }
     /// About how much memory the job takes for what grows with its settings (samples, draws), bytes; 0 where none of it
     /// is long.
     fn memory_bytes(&self) -> u64 {

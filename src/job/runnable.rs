@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::stored::{self, Block, unreadable};
+use super::stored::{self, Block, ResultDocument, unreadable};
 use super::{Done, Job, JobError, Parts, Step};
 use crate::thermal::External;
 
@@ -63,7 +63,7 @@ pub enum Next {
     /// Another stage.
     Stage(Stage),
     /// The result.
-    Done(Value),
+    Done(ResultDocument),
 }
 
 /// A job of any kind. Every [`Job`] is one.
@@ -227,7 +227,10 @@ impl Parts for Unbroken<'_> {
 
 fn next<J: Job>(job: &J, step: Step<J>) -> Result<Next, JobError> {
     Ok(match step {
-        Step::Done(output) => Next::Done(stored::result(&*output)?),
+        Step::Done(output) => {
+            let arrays = J::arrays(&output).into_iter().map(|(_, array)| array).collect();
+            Next::Done(ResultDocument { json: stored::result(&*output)?, arrays })
+        }
         Step::Blocks { stage: name, state, inputs } => Next::Stage(Stage {
             is_last: job.is_last(&state),
             state: State::new(state, &name)?,

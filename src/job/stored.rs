@@ -4,13 +4,14 @@
 //! infinities, which JSON has not: what a stage found is what the next one reads, to the bit.
 //!
 //! A result is JSON, for everyone. There a number that is not finite has no text: `null` stands for it where the type says
-//! that it need not be available (`Option`), anything else is an error that names the place.
+//! that it need not be available (`Option`), anything else is an error that names the place. Long arrays lie beside it.
 
 use ciborium::Value as Tree;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::JobError;
+use super::array::Arrays;
 
 /// Keys of what names an entry of a list, for errors.
 const NAMES: [&str; 8] =
@@ -71,6 +72,15 @@ impl<T: Serialize + DeserializeOwned> Block for T {
         let (value, numbers) = split_numbers(bytes, stage)?;
         if numbers.is_empty() { Ok(value) } else { Err(unreadable(stage, "it is too long")) }
     }
+}
+
+/// A result as it is kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResultDocument {
+    /// JSON, with shape and hash of each array.
+    pub json: serde_json::Value,
+    /// The numbers of the arrays.
+    pub arrays: Arrays,
 }
 
 /// A result as JSON. A number that is not finite becomes `null` where it is optional.

@@ -1,10 +1,10 @@
 //! A pass and its jobs' results, put together for rendering.
 
-use serde_json::Value;
 use thiserror::Error;
 
 use crate::job::kind;
 use crate::measurement::Doubt;
+use crate::runner::stored::Stored;
 use crate::study::Pass;
 
 use super::history::History;
@@ -32,7 +32,7 @@ pub struct FinishedJob<'r> {
     /// Key.
     pub key: &'r str,
     /// Result.
-    pub result: &'r Value,
+    pub result: &'r Stored,
 }
 
 /// What belongs to the report beside the pass and its results.
@@ -78,7 +78,9 @@ pub fn assemble<'p>(
     let mut results = Vec::new();
     for job in finished {
         let Some(kind) = kind::find(job.kind) else { continue };
-        let output = kind.output(job.result).map_err(|source| ResultError { job: job.name.to_owned(), source })?;
+        let output = kind
+            .output(&job.result.value, &job.result.arrays)
+            .map_err(|source| ResultError { job: job.name.to_owned(), source })?;
         results.push(JobEntry { name: job.name.to_owned(), key: job.key.to_owned(), output });
     }
     let names = pass.model.parameters.iter().map(|parameter| parameter.name.clone());

@@ -2,9 +2,8 @@
 //! held out. Everything is taken from results of comparisons and calibrations.
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use crate::document::hash::sha256_hex;
+use crate::document::hash::sha256_hex_of;
 use crate::job::calibrate;
 use crate::job::compare::{self, Deviation};
 use crate::study::Pass;
@@ -94,15 +93,12 @@ fn missing(pass: &Pass) -> Vec<String> {
 
 impl PassErrors {
     /// A pass with the results by which it is judged, each with its job's name; `parent` is the pass before it.
-    ///
-    /// # Errors
-    /// A result that does not have the form that this version writes.
     pub fn new(
         pass: &Pass,
         parent: Option<&Pass>,
-        comparison: Option<(&str, &Value)>,
-        calibration: Option<(&str, &Value)>,
-    ) -> Result<Self, serde_json::Error> {
+        comparison: Option<(&str, &compare::Output)>,
+        calibration: Option<(&str, &calibrate::Output)>,
+    ) -> Self {
         let adopted: Vec<String> = pass.adopted.iter().map(|effect| effect.id.clone()).collect();
         let before: Vec<&String> = parent.iter().flat_map(|parent| &parent.adopted).map(|effect| &effect.id).collect();
         let mut errors = Self {
@@ -114,19 +110,18 @@ impl PassErrors {
             missing: missing(pass),
             ..Self::default()
         };
-        if let Some((name, result)) = comparison {
-            errors.compared(&serde_json::from_value(result.clone())?);
+        if let Some((name, output)) = comparison {
+            errors.compared(output);
             errors.comparison = Some(name.to_owned());
         }
-        if let Some((name, result)) = calibration {
-            let output: calibrate::Output = serde_json::from_value(result.clone())?;
+        if let Some((name, output)) = calibration {
             errors.reduced_chi2 = output.reduced_chi_square();
             errors.log_evidence = output.log_evidence.value;
             errors.log_evidence_sd = output.log_evidence.sd;
             errors.converged = Some(output.converged);
             errors.calibration = Some(name.to_owned());
         }
-        Ok(errors)
+        errors
     }
 
     fn compared(&mut self, output: &compare::Output) {
@@ -167,17 +162,17 @@ impl PassErrors {
 
 /// Hash of what was read, where and when, and of what is held out; not of what was predicted.
 fn readings_sha256(output: &compare::Output) -> String {
-    let mut bytes = Vec::new();
-    for row in &output.rows {
-        for name in [row.measurement.as_str(), row.phase.as_deref().unwrap_or(""), row.sensor.as_str()] {
+    sha256_hex_of(output.rows.iter().map(|row| {
+        let mut bytes = Vec::new();
+        for name in [row.measurement, row.phase.unwrap_or(""), row.sensor] {
             bytes.extend_from_slice(name.as_bytes());
             bytes.push(0);
         }
         bytes.extend_from_slice(&row.time_s.map_or(u64::MAX, f64::to_bits).to_le_bytes());
         bytes.extend_from_slice(&row.measured.to_bits().to_le_bytes());
         bytes.push(u8::from(row.held_out));
-    }
-    sha256_hex(&bytes)
+        bytes
+    }))
 }
 
 /// The passes of a study, each after its parents.

@@ -27,10 +27,13 @@ pub mod title_block;
 pub mod view;
 mod write;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
 use crate::job::KINDS;
+use crate::job::array::Array;
 
 use archive::record::Record;
 pub use history::{History, PassErrors};
@@ -55,6 +58,8 @@ pub struct RenderedReport {
     pub data: Vec<(String, String)>,
     /// `results.json`.
     pub results_json: String,
+    /// Name and contents of each `results/NAME.npy`: the arrays whose hashes stand in `results.json`.
+    pub arrays: Vec<(String, Vec<u8>)>,
     /// `record.json`.
     pub record_json: String,
 }
@@ -77,12 +82,14 @@ pub fn render(report: &PassReport<'_>) -> Result<RenderedReport, RenderError> {
     let svg = |(name, figure): &(String, &page::Figure)| {
         (name.clone(), figure.drawing.svg(name, name, &figure.alternative, true))
     };
+    let arrays = arrays(report);
     Ok(RenderedReport {
         markdown: markdown::render(&page),
         html: html::render(&page, html::Beside::Files)?,
         figures: figures.iter().map(svg).collect(),
         data: figures.iter().map(|(name, figure)| (name.clone(), figure.drawing.numbers().csv.clone())).collect(),
-        results_json: results_json(report)?,
+        results_json: results_json(report, &arrays)?,
+        arrays: arrays.into_iter().map(|(name, array)| (name, array.npy())).collect(),
         record_json: Record::of(report).text()?,
     })
 }
@@ -122,14 +129,30 @@ pub fn results_schema() -> Value {
     KINDS.iter().map(|kind| (kind.name().to_owned(), kind.output_schema())).collect::<Map<_, _>>().into()
 }
 
-/// All outputs as one JSON document in SI units, jobs by name; a number that is not finite is `null`.
-fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
+/// Arrays of the results, equal ones once, by the names of their files.
+fn arrays(report: &PassReport<'_>) -> BTreeMap<String, Array> {
+    let (mut files, mut hashes) = (BTreeMap::new(), BTreeSet::new());
+    for job in &report.results {
+        for (name, array) in job.output.arrays() {
+            if hashes.insert(array.sha256()) {
+                let free = page::free(&page::slug(&format!("{} {name}", job.name)), |name| files.contains_key(name));
+                files.insert(free, array);
+            }
+        }
+    }
+    files
+}
+
+/// All outputs as one JSON document in SI units, jobs by name; a number that is not finite is `null`. `files` has the arrays
+/// that lie beside it, by hash.
+fn results_json(report: &PassReport<'_>, arrays: &BTreeMap<String, Array>) -> Result<String, serde_json::Error> {
     let mut jobs = Map::new();
     for job in &report.results {
         let output = job.output.to_json()?;
         jobs.insert(job.name.clone(), json!({ "kind": job.output.kind(), "key": job.key, "output": output }));
     }
-    let whole = json!({
+    let files = arrays.iter().map(|(name, array)| (array.sha256(), json!(seal::array_path(name))));
+    let mut whole = json!({
         "format": "bmv-results/1",
         "study": report.study,
         "pass": report.pass_file,
@@ -137,5 +160,8 @@ fn results_json(report: &PassReport<'_>) -> Result<String, serde_json::Error> {
         "reconstructed": report.reconstructed,
         "jobs": jobs,
     });
+    if !arrays.is_empty() {
+        whole["files"] = Value::Object(files.collect());
+    }
     Ok(serde_json::to_string_pretty(&whole)? + "\n")
 }

@@ -410,13 +410,7 @@ impl Numbering {
     /// Number and unique name of the next figure.
     pub fn figure(&mut self, figure: &Figure) -> (usize, String) {
         self.figures += 1;
-        let base = slug(&figure.id);
-        let mut name = base.clone();
-        let mut copy = 1;
-        while self.names.contains(&name) {
-            copy += 1;
-            name = format!("{base}-{copy}");
-        }
+        let name = free(&slug(&figure.id), |name| self.names.contains(name));
         self.names.push(name.clone());
         (self.figures, name)
     }
@@ -443,6 +437,17 @@ pub fn slug(text: &str) -> String {
     }
     let trimmed = out.trim_end_matches('-');
     if trimmed.is_empty() { "figure".to_owned() } else { trimmed.to_owned() }
+}
+
+/// A name, with a number behind it where it is given already.
+pub fn free(base: &str, is_given: impl Fn(&String) -> bool) -> String {
+    let mut name = base.to_owned();
+    let mut copy = 1;
+    while is_given(&name) {
+        copy += 1;
+        name = format!("{base}-{copy}");
+    }
+    name
 }
 
 /// The figures of a page with their unique names, in order.

@@ -26,22 +26,23 @@ const LARGEST: u64 = 1 << 30;
 
 impl RenderedReport {
     /// The files of the report by their path in its folder.
-    pub fn files(&self) -> BTreeMap<String, &str> {
+    pub fn files(&self) -> BTreeMap<String, &[u8]> {
         let texts = [
             ("report.md", &self.markdown),
             ("report.html", &self.html),
             (RESULTS, &self.results_json),
             (RECORD, &self.record_json),
         ];
-        let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.as_str()));
-        let plots = self.figures.iter().map(|(name, svg)| (format!("plots/{name}.svg"), svg.as_str()));
-        let data = self.data.iter().map(|(name, csv)| (format!("plots/{name}.csv"), csv.as_str()));
-        texts.chain(plots).chain(data).collect()
+        let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.as_bytes()));
+        let plots = self.figures.iter().map(|(name, svg)| (format!("plots/{name}.svg"), svg.as_bytes()));
+        let data = self.data.iter().map(|(name, csv)| (format!("plots/{name}.csv"), csv.as_bytes()));
+        let arrays = self.arrays.iter().map(|(name, npy)| (array_path(name), npy.as_slice()));
+        texts.chain(plots).chain(data).chain(arrays).collect()
     }
 
     /// The report with its seal; `origin` is the hash of where it comes from, [`Manifest::origin_sha256`].
     pub fn sealed(mut self, origin: &str) -> Self {
-        let files = self.files().into_iter().map(|(name, text)| (name, sha256_hex(text.as_bytes())));
+        let files = self.files().into_iter().map(|(name, bytes)| (name, sha256_hex(bytes)));
         let files = hash_of_list(files);
         for text in [&mut self.markdown, &mut self.html] {
             if !text.ends_with('\n') {
@@ -52,6 +53,11 @@ impl RenderedReport {
         }
         self
     }
+}
+
+/// The path of an array in a report's folder.
+pub(super) fn array_path(name: &str) -> String {
+    format!("results/{name}.npy")
 }
 
 /// The line of a seal.
@@ -145,6 +151,13 @@ fn results(manifest: &Manifest, text: &str) -> Vec<String> {
         if output.is_none_or(|text| sha256_hex(text.as_bytes()) != record.result_sha256.as_str()) {
             let file = manifest::FILE_NAME;
             contradictions.push(format!("the result of `{name}` in {RESULTS} has not the hash that {file} lists"));
+        }
+    }
+    for (sha256, path) in whole.get("files").and_then(Value::as_object).into_iter().flatten() {
+        let listed = path.as_str().and_then(|path| manifest.outputs.get(path));
+        if listed.is_none_or(|record| record.sha256.as_str() != sha256) {
+            contradictions
+                .push(format!("{} does not list the array {sha256} at {path} of {RESULTS}", manifest::FILE_NAME));
         }
     }
     contradictions.extend(pass_jobs.into_keys().map(|name| format!("{RESULTS} lacks the job `{name}`")));

@@ -150,10 +150,13 @@ impl PassReport<'_> {
     }
 
     /// Whether a measurement is one of steady phases; from its rows where it is not at hand.
-    pub fn is_steady(&self, measurement: &str, rows: &[compare::Row]) -> bool {
+    pub fn is_steady(&self, measurement: &str, readings: &compare::Readings) -> bool {
         match self.measurements.iter().find(|m| m.name == measurement) {
             Some(measurement) => matches!(measurement.rows, Rows::Steady(_)),
-            None => rows.iter().filter(|r| r.measurement == measurement).all(|r| r.time_s.is_none()),
+            None => {
+                let mut moments = readings.of_measurement(measurement).flat_map(compare::Table::moments_read);
+                moments.all(|moment| moment.time_s.is_none())
+            }
         }
     }
 

@@ -24,8 +24,8 @@ pub enum WriteError {
     Manifest(#[from] RunnerError),
 }
 
-/// Writes `report.md`, `report.html`, `results.json`, `record.json`, `plots/*.svg`, `plots/*.csv` and at last the manifest, which gets
-/// them as its outputs, into the folder `relative` below `base`; it is made if needed. Files that the manifest of an earlier report
+/// Writes `report.md`, `report.html`, `results.json`, `record.json`, `plots/*.svg`, `plots/*.csv`, `results/*.npy` and at last
+/// the manifest, which gets them as its outputs, into the folder `relative` below `base`; it is made if needed. Files that the manifest of an earlier report
 /// there names, and this report does not have, are removed; all others stay. Below `base` no link is followed.
 ///
 /// # Errors
@@ -39,10 +39,10 @@ pub fn write(report: &RenderedReport, mut manifest: Manifest, base: &Path, relat
     // What is no manifest names nothing.
     let earlier = Manifest::read(&folder).map(|earlier| earlier.outputs).unwrap_or_default();
     let files = report.files();
-    for (name, text) in &files {
+    for (name, bytes) in &files {
         let path = relative.join(name);
-        file::write(base, &path, text.as_bytes(), Existing::Replace).map_err(failed(&path))?;
-        manifest.add_output(name, text.as_bytes());
+        file::write(base, &path, bytes, Existing::Replace).map_err(failed(&path))?;
+        manifest.add_output(name, bytes);
     }
     for name in earlier.keys().filter(|name| !files.contains_key(*name)) {
         let path = relative.join(name);

@@ -1,7 +1,7 @@
 //! Plan, execute, cache, keys, manifest, events, progress; the only user of threads.
 //!
 //! A run takes a [`Plan`] (jobs and what they build upon), looks each job's key up in the [`Cache`], runs what is missing
-//! block by block, and tells every [`Listener`] what happens. Results are canonical JSON and hold no time, thread or path.
+//! block by block, and tells every [`Listener`] what happens. Results are canonical JSON with arrays beside it, and hold no time, thread or path.
 
 pub mod baseline;
 pub mod cache;
@@ -21,6 +21,7 @@ pub mod plan;
 pub mod polling;
 pub mod progress;
 pub mod replay;
+pub mod stored;
 
 pub use baseline::Baseline;
 pub use cache::{Cache, Kind};

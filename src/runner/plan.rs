@@ -12,6 +12,7 @@ use super::cache::{Cache, Kind, Lookup};
 use super::error::RunnerError;
 use super::event_log::WorkHistory;
 use super::key::{ENGINE_VERSION, Key, KeyMaterial};
+use super::stored::Stored;
 use crate::job::{JobError, Runnable};
 
 /// A job that may need the results of others before it is ready.
@@ -77,30 +78,6 @@ pub struct Plan {
     nodes: Vec<Node>,
     keys: Vec<Key>,
     upstream: Vec<Vec<usize>>,
-}
-
-/// A verified result.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stored {
-    /// The result.
-    pub value: Arc<Value>,
-    /// SHA-256 of its canonical bytes.
-    pub sha256: Key,
-}
-
-impl Stored {
-    /// Reads canonical bytes. A result is always read back from them, so that it is the same value whether it was just
-    /// computed or found.
-    ///
-    /// # Errors
-    /// [`RunnerError::NotCanonical`] if they are no JSON.
-    pub(super) fn from_bytes(bytes: &[u8], job: &str) -> Result<Self, RunnerError> {
-        let value = serde_json::from_slice(bytes).map_err(|error| RunnerError::NotCanonical {
-            what: format!("the result of job `{job}`"),
-            reason: error.to_string(),
-        })?;
-        Ok(Self { value: Arc::new(value), sha256: Key::of(bytes) })
-    }
 }
 
 /// What is to be done about a job.

@@ -162,6 +162,7 @@ fn verify_tells_what_changed_in_a_report() {
         data: Vec::new(),
         results_json: results,
         record_json: "{}\n".to_owned(),
+        arrays: Vec::new(),
     };
     let rendered = rendered.sealed(manifest.origin_sha256().unwrap().as_str());
     bmv::report::write(&rendered, manifest, root.path(), Path::new("report")).unwrap();

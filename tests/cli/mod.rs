@@ -15,6 +15,7 @@ mod history;
 mod import;
 mod index;
 mod laws;
+mod many_readings;
 mod not_finite;
 mod serve_model;
 mod story;

@@ -2,7 +2,7 @@
 
 use bmv::inference::gaussian_process::tested_range::Outside;
 use bmv::job::calibrate::KeptDraws;
-use bmv::job::compare::Deviation;
+use bmv::job::compare::{Deviation, Readings, Row};
 use bmv::job::{calibrate, compare, conventional, design, diagnose, goal, kind, predict, propagate, sensitivity};
 use bmv::report::PassReport;
 use bmv::report::plot::{
@@ -108,10 +108,12 @@ fn poisoned_with(mut sample: Sample, hostile: &str) -> Sample {
             output.fails.push(name());
             output.criteria.title = name();
             output.criteria.source = name();
-            for row in &mut output.rows {
-                row.sensor = format!("{hostile}{}", row.sensor);
-                row.phase = row.phase.take().map(|p| hostile.to_owned() + &p);
-            }
+            let rows = output.rows.iter().map(|row| Row {
+                sensor: format!("{hostile}{}", row.sensor),
+                phase: row.phase.map(|p| hostile.to_owned() + p),
+                ..row.to_owned()
+            });
+            output.rows = rows.collect();
             for verdict in &mut output.verdicts {
                 verdict.criterion = name();
             }
@@ -444,9 +446,8 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
     for mut sample in [radiator(), transient(), steady(), calibrated(), predicted(), with(true)] {
         for job in &mut sample.results {
             edit::<compare::Kind>(job, |output| {
-                for row in &mut output.rows {
-                    row.predicted = f64::NAN;
-                }
+                let rows = output.rows.iter().map(|row| Row { predicted: f64::NAN, ..row.to_owned() });
+                output.rows = rows.collect();
                 output.train = Deviation { rmse: f64::NAN, ..Deviation::default() };
                 output.chi2_per_reading = Some(f64::INFINITY);
             });
@@ -518,7 +519,7 @@ fn empty_and_broken_outputs_are_reported_not_fatal() {
         }
         for job in &mut sample.results {
             edit::<compare::Kind>(job, |output| {
-                output.rows.clear();
+                output.rows = Readings::default();
                 output.sensors.clear();
                 output.phases.clear();
             });

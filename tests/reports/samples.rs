@@ -409,7 +409,7 @@ fn compared(rows: Vec<Row>, sigma: f64, fails: Vec<String>) -> compare::Output {
         converged: None,
         train,
         held_out,
-        rows,
+        rows: rows.into_iter().collect(),
     }
 }
 

@@ -113,8 +113,8 @@ fn every_stage_of_every_job_kind_reads_what_the_one_before_may_give() {
             }
             next = job.reduce(&stage, outputs).unwrap();
         }
-        let Next::Done(value) = next else { unreachable!() };
-        assert!(matches!(value, Value::Object(_)), "{name}");
+        let Next::Done(result) = next else { unreachable!() };
+        assert!(matches!(result.json, Value::Object(_)), "{name}");
     }
     assert!(stages > 40, "{stages}");
 }

@@ -19,6 +19,7 @@ use crate::runner::cache::Lookup;
 use crate::runner::engine::pool;
 use crate::runner::interrupt::Interrupts;
 use crate::runner::replay::{Replayed, replay};
+use crate::runner::stored::Stored;
 use crate::runner::{Cache, Key, Kind, Settings};
 use crate::study::file::{self, Existing};
 use crate::thermal::External;
@@ -79,7 +80,7 @@ pub fn calibration<'e>(
         let finished = executed.summary.finished(&plan.nodes()[other].id);
         let known = finished.map(|finished| Arc::clone(&finished.stored.value));
         known.or_else(|| match cache.get(Kind::Result, &plan.keys()[other]) {
-            Lookup::Found(bytes) => serde_json::from_slice(&bytes).ok().map(Arc::new),
+            Lookup::Found(bytes) => Stored::from_bytes(&bytes, &plan.nodes()[other].id).ok().map(|stored| stored.value),
             Lookup::Absent | Lookup::Damaged => None,
         })
     });

@@ -3,10 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use crate::batch::BatchError;
+use crate::job::array::npy;
 use crate::job::dataset::{Attribute, Dataset, Dimension, Group, Labels, Values, Variable};
-
-/// Bytes to whose multiple the header is filled, so that the numbers behind it are aligned.
-const ALIGNMENT: usize = 64;
 
 /// The files, by name.
 ///
@@ -70,22 +68,4 @@ fn attributes(attributes: &[(&'static str, Attribute)]) -> Value {
         Attribute::Numbers(numbers) => json!(numbers),
     };
     Value::Object(attributes.iter().map(|(name, of_name)| ((*name).to_owned(), value(of_name))).collect())
-}
-
-/// An array of doubles: magic, version, length of the header, header, numbers.
-pub fn npy(shape: &[usize], values: &[f64]) -> Vec<u8> {
-    let sizes: Vec<String> = shape.iter().map(usize::to_string).collect();
-    // A tuple of one has a comma behind it.
-    let sizes = if sizes.len() == 1 { format!("{},", sizes[0]) } else { sizes.join(", ") };
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({sizes}), }}");
-    let before = 10;
-    let filled = (before + header.len() + 1).next_multiple_of(ALIGNMENT);
-    header.push_str(&" ".repeat(filled - before - header.len() - 1));
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    // A header has a few sizes of at most 20 digits.
-    bytes.extend(u16::try_from(header.len()).unwrap_or(u16::MAX).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    bytes
 }

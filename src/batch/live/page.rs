@@ -15,21 +15,22 @@ pub enum Kind {
 #[derive(Clone, Debug)]
 pub(super) struct Served {
     pub kind: Kind,
-    pub text: String,
+    pub content: Vec<u8>,
     /// What can be adopted from here: of which pass.
     pub offers: Vec<(String, Offer)>,
 }
 
 impl Served {
-    /// A file by its name and text.
-    pub fn new(name: &str, text: &str) -> Self {
+    /// A file by its name and content.
+    pub fn new(name: &str, content: &[u8]) -> Self {
         let kind = match name.rsplit_once('.').map(|(_, ending)| ending) {
             Some("html") => Kind::Page,
             Some("json") => Kind::Other("application/json"),
             Some("csv") => Kind::Other("text/csv; charset=utf-8"),
             Some("svg") => Kind::Other("image/svg+xml"),
+            Some("npy") => Kind::Other("application/octet-stream"),
             _ => Kind::Other("text/plain; charset=utf-8"),
         };
-        Self { kind, text: text.to_owned(), offers: Vec::new() }
+        Self { kind, content: content.to_owned(), offers: Vec::new() }
     }
 }

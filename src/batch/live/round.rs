@@ -96,9 +96,9 @@ impl Round {
             let folder = pass.file.trim_end_matches(".json").to_owned();
             study = crate::batch::archive::study_name(&pass.study);
             let base = format!("/{study}/{folder}");
-            for (name, text) in report.files() {
-                manifest.add_output(&name, text.as_bytes());
-                let mut page = Served::new(&name, text);
+            for (name, bytes) in report.files() {
+                manifest.add_output(&name, bytes);
+                let mut page = Served::new(&name, bytes);
                 if page.kind == Kind::Page {
                     page.offers =
                         offers(pass, &self.executed).into_iter().map(|own| (pass.file.clone(), own)).collect();
@@ -107,7 +107,7 @@ impl Round {
             }
             let manifest_text = manifest.text()?;
             let manifest_file = FileRecord::of(manifest_text.as_bytes());
-            self.pages.insert(format!("{base}/{MANIFEST}"), Served::new(MANIFEST, &manifest_text));
+            self.pages.insert(format!("{base}/{MANIFEST}"), Served::new(MANIFEST, manifest_text.as_bytes()));
             self.home = format!("{base}/report.html");
             let unreadable = |error: String| BatchError::job(format!("{}: {RECORD}: {error}", escaped(&pass.shown)));
             let record = Record::read(report.record_json.as_bytes()).map_err(unreadable)?;
@@ -122,9 +122,9 @@ impl Round {
         let study = ArchivedStudy { folder: study, passes };
         let rendered = |page| RenderedPage::new(&page).map_err(|error| BatchError::job(error.to_string()));
         let of_study = rendered(study_page::page(&study, std::slice::from_ref(&study)))?.html;
-        self.pages.insert(format!("/{}/{INDEX}.html", study.folder), Served::new("index.html", &of_study));
+        self.pages.insert(format!("/{}/{INDEX}.html", study.folder), Served::new("index.html", of_study.as_bytes()));
         let over_all = rendered(index_page::page(&[study]))?.html;
-        self.pages.insert(format!("/{INDEX}.html"), Served::new("index.html", &over_all));
+        self.pages.insert(format!("/{INDEX}.html"), Served::new("index.html", over_all.as_bytes()));
         Ok(())
     }
 }

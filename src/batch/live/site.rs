@@ -97,7 +97,7 @@ impl Site {
         }
         let path = decoded(path);
         match round.as_ref().and_then(|round| round.pages.get(&path)) {
-            Some(Served { kind: Kind::Other(kind), text, .. }) => Ok(file(200, kind, text.clone())),
+            Some(Served { kind: Kind::Other(kind), content, .. }) => Ok(file(200, kind, content.clone())),
             Some(page) => {
                 let offers: Vec<Offered<'_>> = (page.offers.iter())
                     .map(|(pass, own)| Offered {
@@ -109,7 +109,7 @@ impl Site {
                         command: &own.command,
                     })
                     .collect();
-                self.whole(200, &page.text, version, &offers, "")
+                self.whole(200, &String::from_utf8_lossy(&page.content), version, &offers, "")
             }
             None if path.ends_with(".html") || path == "/" => {
                 let text = live::waiting().map_err(|error| Refused::new(500, error.to_string()))?;
@@ -138,7 +138,7 @@ impl Site {
             notice,
         };
         let text = live::served(text, &around).map_err(|error| Refused::new(500, error.to_string()))?;
-        Ok(file(status, "text/html; charset=utf-8", text))
+        Ok(file(status, "text/html; charset=utf-8", text.into_bytes()))
     }
 
     /// Writes the next pass, as `bmv adopt` does.
@@ -207,7 +207,7 @@ impl Handler for Site {
     }
 
     fn refusal(&self, status: u16, reason: &str) -> Response {
-        file(status, "text/plain; charset=utf-8", format!("{reason}\n"))
+        file(status, "text/plain; charset=utf-8", format!("{reason}\n").into_bytes())
     }
 }
 
@@ -217,9 +217,9 @@ pub fn token(query: &str) -> Option<&str> {
 }
 
 /// An answer that no browser keeps, reads as anything else, or shows within another page.
-fn file(status: u16, kind: &str, text: String) -> Response {
+fn file(status: u16, kind: &str, body: Vec<u8>) -> Response {
     let fields = vec![("Content-Type", kind.to_owned()), ("Content-Security-Policy", live::policy())];
-    unstored(Response { status, fields, body: text.into_bytes() })
+    unstored(Response { status, fields, body })
 }
 
 fn unstored(mut response: Response) -> Response {

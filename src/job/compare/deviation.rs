@@ -1,6 +1,7 @@
 //! Statistics of measured minus predicted, as test reports give them.
 
-use super::output::{Deviation, Row};
+use super::output::Deviation;
+use super::readings::Row;
 use crate::math::special::chi_square_quantile;
 
 /// Statistics of some deviations (in order), with the share whose magnitude is at most `limit` (all, without one).
@@ -37,13 +38,15 @@ pub fn noise_rmse(sigma: f64, count: u64) -> [f64; 2] {
 /// The unit that limits in kelvin and statistics over several sensors are about.
 pub const KELVIN: &str = "K";
 
-/// The rows over which statistics of several sensors have a meaning: those in kelvin, or, where there are none, those
-/// in the unit of the first. Kelvins and amperes have no mean.
-pub fn of_one_unit(rows: &[Row]) -> (&str, Vec<&Row>) {
-    let unit = if rows.iter().any(|row| row.unit == KELVIN) {
-        KELVIN
-    } else {
-        rows.first().map_or(KELVIN, |row| row.unit.as_str())
-    };
-    (unit, rows.iter().filter(|row| row.unit == unit).collect())
+/// The unit of the readings over which statistics of several sensors have a meaning: kelvin, or, where none is in kelvin, that
+/// of the first. Kelvins and amperes have no mean.
+pub fn common_unit<'r>(rows: impl Iterator<Item = Row<&'r str>>) -> &'r str {
+    let mut first = None;
+    for row in rows {
+        if row.unit == KELVIN {
+            return KELVIN;
+        }
+        first.get_or_insert(row.unit);
+    }
+    first.unwrap_or(KELVIN)
 }

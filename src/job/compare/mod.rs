@@ -1,8 +1,12 @@
 //! Model against measurements at given parameters: by sensor, by phase, against criteria, and in words.
 
+mod block;
+mod collected;
 pub mod deviation;
 mod form;
 pub mod output;
+pub mod readings;
+mod readings_form;
 mod resolve;
 mod run;
 pub mod stretch;
@@ -13,9 +17,10 @@ mod words;
 
 pub use deviation::{KELVIN, deviation};
 pub use output::{
-    Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck, Trend,
+    Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, SensorSummary, Spec, StabilisationCheck, Trend,
     TunedSensor, TunedState, Verdict,
 };
+pub use readings::{Moment, Readings, Row, Table};
 pub use run::{Compare, verdicts};
 pub use tuned::Tuned;
 pub use view::view;
@@ -27,6 +32,7 @@ use serde_json::Value;
 use crate::document::Place;
 use crate::job::JobError;
 use crate::job::Runnable;
+use crate::job::array::{Array, Arrays};
 use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
@@ -69,8 +75,16 @@ impl JobKind for Kind {
         Ok(view(output, with_rows))
     }
 
+    fn arrays(output: &Output) -> Vec<(String, Array)> {
+        output.rows.arrays()
+    }
+
+    fn fill(output: &mut Output, arrays: &Arrays) -> Result<(), String> {
+        output.rows.fill(arrays)
+    }
+
     fn without_rows(output: &Output) -> Option<Output> {
-        Some(Output { rows: Vec::new(), ..output.clone() })
+        Some(Output { rows: Readings::default(), ..output.clone() })
     }
 
     fn key_numbers(output: &Output) -> Vec<KeyNumber> {

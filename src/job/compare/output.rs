@@ -1,5 +1,6 @@
 //! Settings and result of a comparison.
 
+use super::readings::Readings;
 use crate::study::profile::Criteria;
 use serde::{Deserialize, Serialize};
 
@@ -44,30 +45,6 @@ pub struct Spec {
     pub from: String,
     /// The calibration whose tuned state stands beside it.
     pub calibration: Option<String>,
-}
-
-/// A reading beside its prediction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Row {
-    /// Measurement.
-    pub measurement: String,
-    /// Phase of a steady measurement.
-    pub phase: Option<String>,
-    /// Instant of a transient, s.
-    pub time_s: Option<f64>,
-    /// Sensor.
-    pub sensor: String,
-    /// SI unit.
-    pub unit: String,
-    /// Reading, SI.
-    pub measured: f64,
-    /// Prediction, SI.
-    pub predicted: f64,
-    /// Prediction of the tuned state, SI.
-    #[serde(default)]
-    pub predicted_tuned: Option<f64>,
-    /// Kept from every fit.
-    pub held_out: bool,
 }
 
 /// A sensor's statistics.
@@ -225,7 +202,7 @@ pub struct Output {
     /// Parameters used, SI: name, unit as written, value.
     pub parameters: Vec<(String, String, f64)>,
     /// Readings beside predictions.
-    pub rows: Vec<Row>,
+    pub rows: Readings,
     /// By sensor.
     pub sensors: Vec<SensorSummary>,
     /// By phase or stretch of time.

@@ -1,8 +1,8 @@
 //! The comparison as a job: what it is asked, and a block a measurement.
 
 use super::{
-    Deviation, FailedPhase, HeatBalance, Output, PhaseSummary, Row, SensorSummary, Spec, StabilisationCheck, Trend,
-    Tuned, Verdict, stretch, trend, words,
+    Deviation, FailedPhase, HeatBalance, Moment, Output, PhaseSummary, Readings, Row, SensorSummary, Spec,
+    StabilisationCheck, Table, Tuned, Verdict, stretch, trend, words,
 };
 use crate::study::profile::Criteria;
 use std::sync::Arc;
@@ -15,8 +15,11 @@ use crate::measurement::scatter;
 use crate::measurement::{Measurement, Rows, Uncertain};
 use crate::thermal::{External, Model, NodeKind};
 
-use super::deviation::{KELVIN, deviation, noise_rmse, of_one_unit};
+use super::block::{Part, Summary};
+use super::deviation::{KELVIN, common_unit, deviation, noise_rmse};
+use super::readings::is_long;
 use super::stretch::{Stretch, stretches};
+use crate::job::array::Array;
 use crate::job::{Done, Job, JobError, Parts, Step};
 
 /// A comparison, ready to run.
@@ -28,20 +31,6 @@ pub struct Compare {
     pub(super) parameters: Vec<f64>,
     pub(super) predictor: Predictor,
     pub(super) tuned: Option<Tuned>,
-}
-
-/// Part of the result that belongs to one measurement.
-#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub struct Part {
-    pub(super) rows: Vec<Row>,
-    pub(super) sensors: Vec<SensorSummary>,
-    pub(super) phases: Vec<PhaseSummary>,
-    pub(super) heat: Vec<HeatBalance>,
-    pub(super) trends: Vec<Trend>,
-    pub(super) stabilisation: Vec<StabilisationCheck>,
-    pub(super) failed: Vec<FailedPhase>,
-    pub(super) unused_columns: Vec<String>,
-    pub(super) chi2: Option<(f64, u64)>,
 }
 
 impl Compare {
@@ -67,40 +56,36 @@ impl Compare {
     pub(super) fn part(&self, measurement: &Measurement) -> Part {
         let mut workspace = self.predictor.workspace();
         let prediction = self.predictor.predict(&mut workspace, measurement, &self.parameters);
-        let mut part = Part { unused_columns: measurement.unused_columns.clone(), ..Part::default() };
-        part.failed = failed(measurement, &prediction);
-        part.rows = rows(measurement, &self.model, &prediction);
-        part.sensors = self.sensors(measurement, &part.rows);
-        if let Some(tuned) = &self.tuned {
-            tuned.add(
-                &self.predictor,
-                &self.model,
-                &self.parameters,
-                measurement,
-                &self.spec.criteria,
-                &mut part.rows,
-                &mut part.sensors,
-            );
+        let tuned = self.tuned.as_ref();
+        let state = tuned.map(|tuned| tuned.predicted(&self.predictor, &self.model, &self.parameters, measurement));
+        let (fixed, tuned_readings) = state.unzip();
+        let tuned_readings = tuned_readings.unwrap_or_default();
+        let table = Table::new(measurement, &self.model, &prediction.readings, &tuned_readings);
+        let mut sensors = self.sensors(measurement, &table);
+        if let Some(fixed) = &fixed {
+            Tuned::add(fixed, &self.spec.criteria, &table, &mut sensors);
         }
-        part.phases = self.phases(measurement, &part.rows);
-        part.heat = self.heat(measurement, &prediction);
-        part.trends = trend::trends(measurement, &self.model, &part.rows);
-        part.stabilisation = self.stabilisation(measurement);
-        part.chi2 = chi2(measurement, &part.rows);
-        part
+        let summary = Summary {
+            sensors,
+            phases: self.phases(measurement, &table),
+            heat: self.heat(measurement, &prediction),
+            trends: trend::trends(measurement, &self.model, &table),
+            stabilisation: self.stabilisation(measurement),
+            failed: failed(measurement, &prediction),
+            unused_columns: measurement.unused_columns.clone(),
+            chi2: chi2(measurement, &table),
+        };
+        Part { predicted: prediction.readings, tuned: tuned_readings, summary }
     }
 
-    pub(super) fn sensors(&self, measurement: &Measurement, rows: &[Row]) -> Vec<SensorSummary> {
+    pub(super) fn sensors(&self, measurement: &Measurement, table: &Table) -> Vec<SensorSummary> {
         measurement
             .sensors
             .iter()
             .enumerate()
             .map(|(position, sensor)| {
                 let of = |held_out: bool| -> Vec<f64> {
-                    rows.iter()
-                        .filter(|row| row.sensor == sensor.name && row.held_out == held_out)
-                        .map(|row| row.measured - row.predicted)
-                        .collect()
+                    table.column(position).filter(|row| row.held_out == held_out).map(|row| row.deviation()).collect()
                 };
                 let unit = &self.model.quantities[sensor.quantity].unit;
                 let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
@@ -129,39 +114,43 @@ impl Compare {
     }
 
     /// Statistics by phase, or by stretch of a transient.
-    pub(super) fn phases(&self, measurement: &Measurement, rows: &[Row]) -> Vec<PhaseSummary> {
-        let (unit, rows) = of_one_unit(rows);
+    pub(super) fn phases(&self, measurement: &Measurement, table: &Table) -> Vec<PhaseSummary> {
+        let unit = common_unit(table.iter());
         let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
-        let summary = |phase: String, held_out: bool, phase_rows: &[&Row]| {
-            let deviations: Vec<f64> = phase_rows.iter().map(|row| row.measured - row.predicted).collect();
-            let worst = phase_rows
-                .iter()
-                .max_by(|a, b| (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs()))?;
+        let summary = |phase: String, held_out: bool, is_within: &dyn Fn(Moment<'_>) -> bool| {
+            let within = (0..table.len()).filter(|&row| is_within(table.moment(row)));
+            let (mut deviations, mut worst) = (Vec::new(), None);
+            for row in within.flat_map(|row| table.rows(row..row + 1)).filter(|row| row.unit == unit) {
+                let deviation = row.deviation();
+                deviations.push(deviation);
+                if worst.is_none_or(|(_, before): (&str, f64)| before.abs().total_cmp(&deviation.abs()).is_le()) {
+                    worst = Some((row.sensor, deviation));
+                }
+            }
+            let (worst_sensor, worst) = worst?;
             Some(PhaseSummary {
                 measurement: measurement.name.clone(),
                 phase,
                 held_out,
                 deviation: deviation(&deviations, limit),
-                worst_sensor: worst.sensor.clone(),
-                worst: worst.measured - worst.predicted,
+                worst_sensor: worst_sensor.to_owned(),
+                worst,
             })
         };
         match &measurement.rows {
             Rows::Steady(phases) => phases
                 .iter()
                 .filter_map(|phase| {
-                    let phase_rows: Vec<&Row> =
-                        rows.iter().copied().filter(|row| row.phase.as_deref() == Some(phase.name.as_str())).collect();
-                    summary(phase.name.clone(), phase.held_out, &phase_rows)
+                    let is_own = |moment: Moment<'_>| moment.phase == Some(phase.name.as_str());
+                    summary(phase.name.clone(), phase.held_out, &is_own)
                 })
                 .collect(),
             Rows::Transient { inputs, .. } => stretches(measurement)
                 .into_iter()
                 .filter_map(|stretch| {
                     let (from, to) = (inputs.times_s[stretch.from], inputs.times_s[stretch.to - 1]);
-                    let stretch_rows: Vec<&Row> =
-                        rows.iter().copied().filter(|row| row.time_s.is_some_and(|t| t >= from && t <= to)).collect();
-                    summary(stretch::name(&inputs.times_s, stretch), stretch.held_out, &stretch_rows)
+                    let is_own = |moment: Moment<'_>| moment.time_s.is_some_and(|t| t >= from && t <= to);
+                    summary(stretch::name(&inputs.times_s, stretch), stretch.held_out, &is_own)
                 })
                 .collect(),
         }
@@ -265,17 +254,20 @@ impl Compare {
 
     /// That the stated noise is larger than what the fitted readings scatter by about the tuned state, or the delivered one where
     /// there is none. Sensors whose noise is correlated are left out: their errors are not independent.
-    pub(super) fn overstated(&self, rows: &[Row]) -> Option<String> {
-        let residual = |row: &Row| {
-            let measurement = self.measurements.iter().find(|declared| declared.name == row.measurement)?;
-            let sensor = measurement.sensors.iter().find(|declared| declared.name == row.sensor)?;
-            let (Some(Uncertain::Known(sigma)), None) = (&sensor.sigma, &sensor.correlation_time_s) else {
-                return None;
-            };
-            let predicted = if self.tuned.is_some() { row.predicted_tuned? } else { row.predicted };
-            (!row.held_out && *sigma > 0.0).then_some((sensor, (row.measured - predicted) / sigma))
-        };
-        let sensors = scatter::of_stated(rows.iter().filter_map(residual), &self.model);
+    pub(super) fn overstated(&self, readings: &Readings) -> Option<String> {
+        let residuals = readings.tables().iter().flat_map(|table| {
+            let measurement = self.measurements.iter().find(|declared| declared.name == table.measurement);
+            let find = move |row: &Row<&str>| measurement?.sensors.iter().find(|declared| declared.name == row.sensor);
+            table.iter().filter_map(move |row| {
+                let sensor = find(&row)?;
+                let (Some(Uncertain::Known(sigma)), None) = (&sensor.sigma, &sensor.correlation_time_s) else {
+                    return None;
+                };
+                let deviation = if self.tuned.is_some() { row.tuned_deviation()? } else { row.deviation() };
+                (!row.held_out && *sigma > 0.0).then_some((sensor, deviation / sigma))
+            })
+        });
+        let sensors = scatter::of_stated(residuals, &self.model);
         scatter::warning(&sensors, self.tuned.as_ref().map_or(0, Tuned::unknowns))
     }
 
@@ -324,34 +316,6 @@ impl Compare {
     }
 }
 
-/// Readings beside predictions, row by row.
-pub(super) fn rows(measurement: &Measurement, model: &Model, prediction: &Prediction) -> Vec<Row> {
-    let count = measurement.sensors.len();
-    let mut rows = Vec::new();
-    for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
-        let (phase, time_s) = match &measurement.rows {
-            Rows::Steady(phases) => (Some(phases[row].name.clone()), None),
-            Rows::Transient { inputs, .. } => (None, Some(inputs.times_s[row])),
-        };
-        for (position, sensor) in measurement.sensors.iter().enumerate() {
-            let predicted = prediction.readings[row * count + position];
-            let Some(measured) = measurement.reading(row, position).filter(|_| predicted.is_finite()) else { continue };
-            rows.push(Row {
-                measurement: measurement.name.clone(),
-                phase: phase.clone(),
-                time_s,
-                sensor: sensor.name.clone(),
-                unit: model.quantities[sensor.quantity].unit.clone(),
-                measured,
-                predicted,
-                predicted_tuned: None,
-                held_out: measurement.held_out(row),
-            });
-        }
-    }
-    rows
-}
-
 pub(super) fn failed(measurement: &Measurement, prediction: &Prediction) -> Vec<FailedPhase> {
     prediction
         .failures
@@ -368,15 +332,25 @@ pub(super) fn failed(measurement: &Measurement, prediction: &Prediction) -> Vec<
 }
 
 /// Sum of squares over sigma squared and number of readings, of the rows that a fit may use, where every sigma is known.
-pub(super) fn chi2(measurement: &Measurement, rows: &[Row]) -> Option<(f64, u64)> {
+pub(super) fn chi2(measurement: &Measurement, table: &Table) -> Option<(f64, u64)> {
     let mut total = (0.0, 0);
-    for row in rows.iter().filter(|row| !row.held_out) {
-        let sensor = measurement.sensors.iter().find(|s| s.name == row.sensor)?;
-        let Some(Uncertain::Known(sigma)) = sensor.sigma else { return None };
-        let scaled = (row.measured - row.predicted) / sigma;
-        total = (total.0 + scaled * scaled, total.1 + 1);
+    for row in (0..table.len()).filter(|&row| !table.moment(row).held_out) {
+        for (column, sensor) in measurement.sensors.iter().enumerate() {
+            let Some(reading) = table.at(row, column) else { continue };
+            let Some(Uncertain::Known(sigma)) = sensor.sigma else { return None };
+            let scaled = reading.deviation() / sigma;
+            total = (total.0 + scaled * scaled, total.1 + 1);
+        }
     }
     Some(total)
+}
+
+/// Number of readings of the rows that are not left out altogether.
+fn read(measurement: &Measurement) -> usize {
+    let rows = (0..measurement.len()).filter(|&row| !measurement.ignored(row));
+    let of_row =
+        |row| (0..measurement.sensors.len()).filter(|&sensor| measurement.reading(row, sensor).is_some()).count();
+    rows.map(of_row).sum()
 }
 
 /// The profile's criteria, over the rows that a fit may use and those held out apart.
@@ -426,24 +400,34 @@ impl Job for Compare {
         "compare"
     }
 
+    fn arrays(output: &Output) -> Vec<(String, Array)> {
+        output.rows.arrays()
+    }
+
     fn algorithm_version(&self) -> u32 {
         6
     }
 
     fn identity(&self) -> Value {
         let data: Vec<Value> = self.spec.data.iter().map(|&index| self.measurements[index].identity()).collect();
-        json!({
+        let mut identity = json!({
             "criteria": self.spec.criteria,
             "state": self.spec.from,
             "calibration": self.spec.calibration,
             "parameters": self.parameters,
             "model": self.model.identity(),
             "data": data,
-        })
+        });
+        let readings = self.spec.data.iter().map(|&index| read(&self.measurements[index])).sum();
+        if is_long(readings) {
+            // Once a list of rows, whatever their number.
+            identity["form"] = json!("arrays");
+        }
+        identity
     }
 
     fn begin(&self) -> Result<Step<Self>, JobError> {
-        Ok(Step::Blocks { stage: "measurements".to_owned(), state: (), inputs: self.spec.data.clone() })
+        Ok(Step::Blocks { stage: "predictions".to_owned(), state: (), inputs: self.spec.data.clone() })
     }
 
     fn block(&self, (): &(), input: usize, _parts: &dyn Parts) -> Result<Part, JobError> {
@@ -460,20 +444,23 @@ impl Job for Compare {
     }
 
     fn reduce(&self, (): (), blocks: Done<Self>) -> Result<Step<Self>, JobError> {
-        let mut whole = Part::default();
+        let mut whole = Summary::default();
+        let mut tables = Vec::new();
         let mut chi2 = Some((0.0, 0));
-        for (_, part) in blocks {
-            whole.rows.extend(part.rows);
-            whole.sensors.extend(part.sensors);
-            whole.phases.extend(part.phases);
-            whole.heat.extend(part.heat);
-            whole.trends.extend(part.trends);
-            whole.stabilisation.extend(part.stabilisation);
-            whole.failed.extend(part.failed);
-            whole.unused_columns.extend(part.unused_columns);
-            chi2 = chi2.zip(part.chi2).map(|(a, b)| (a.0 + b.0, a.1 + b.1));
+        for (index, Part { predicted, tuned, summary }) in blocks {
+            let Some(measurement) = self.measurements.get(index) else { continue };
+            tables.push(Table::new(measurement, &self.model, &predicted, &tuned));
+            whole.sensors.extend(summary.sensors);
+            whole.phases.extend(summary.phases);
+            whole.heat.extend(summary.heat);
+            whole.trends.extend(summary.trends);
+            whole.stabilisation.extend(summary.stabilisation);
+            whole.failed.extend(summary.failed);
+            whole.unused_columns.extend(summary.unused_columns);
+            chi2 = chi2.zip(summary.chi2).map(|(a, b)| (a.0 + b.0, a.1 + b.1));
         }
-        if whole.rows.is_empty() {
+        let rows: Readings = tables.into_iter().collect();
+        if rows.is_empty() {
             let reason = whole
                 .failed
                 .first()
@@ -481,13 +468,14 @@ impl Job for Compare {
             return Err(JobError::Failed(format!("nothing could be compared: {reason}")));
         }
         trend::strongest_first(&mut whole.trends);
-        let (unit, judged) = of_one_unit(&whole.rows);
+        let unit = common_unit(rows.iter()).to_owned();
+        let judged = || rows.iter().filter(|row| row.unit == unit);
         let limit = self.spec.criteria.each_k.filter(|_| unit == KELVIN);
         let of = |held_out: bool| -> Vec<f64> {
-            judged.iter().filter(|r| r.held_out == held_out).map(|r| r.measured - r.predicted).collect()
+            judged().filter(|row| row.held_out == held_out).map(|row| row.deviation()).collect()
         };
         let (train, held_out) = (deviation(&of(false), limit), deviation(&of(true), limit));
-        let overstated = self.overstated(&whole.rows);
+        let overstated = self.overstated(&rows);
         let output = Output {
             state: self.spec.from.clone(),
             parameters: self
@@ -497,21 +485,14 @@ impl Job for Compare {
                 .zip(&self.parameters)
                 .map(|(p, &value)| (p.name.clone(), p.unit.clone(), value))
                 .collect(),
-            fails: words::fails(
-                &whole.sensors,
-                &self.measurements,
-                &whole.trends,
-                &whole.rows,
-                self.spec.criteria.each_k,
-            ),
+            fails: words::fails(&whole.sensors, &self.measurements, &whole.trends, &rows, self.spec.criteria.each_k),
             verdicts: if unit == KELVIN { verdicts(&self.spec.criteria, &train, &held_out) } else { Vec::new() },
             criteria: self.spec.criteria.clone(),
             chi2_per_reading: chi2.filter(|c| c.1 > 0).map(|(sum, count)| sum / count as f64),
             converged: self.tuned.as_ref().map(Tuned::converged),
-            tuned: self.tuned.as_ref().map(|tuned| tuned.state(&self.model, &self.parameters, &judged, limit)),
+            tuned: self.tuned.as_ref().map(|tuned| tuned.state(&self.model, &self.parameters, judged, limit)),
             train,
             held_out,
-            rows: whole.rows,
             sensors: whole.sensors,
             phases: whole.phases,
             heat: whole.heat,
@@ -523,6 +504,7 @@ impl Job for Compare {
                 .flat_map(|&index| self.measurements[index].doubts.iter().map(|doubt| doubt.message.clone()))
                 .chain(overstated)
                 .collect(),
+            rows,
         };
         Ok(Step::Done(Box::new(output)))
     }

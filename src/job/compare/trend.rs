@@ -1,17 +1,18 @@
 //! How a sensor's residual goes with time and with each input.
 
-use super::output::{Row, Trend};
+use super::output::Trend;
+use super::readings::{Row, Table};
 use crate::measurement::{Measurement, Rows};
 use crate::statistics::moments::correlation;
 use crate::statistics::regression::Line;
 use crate::thermal::Model;
 
 /// Trends of every sensor against time (of a transient) and every input that varies.
-pub fn trends(measurement: &Measurement, model: &Model, rows: &[Row]) -> Vec<Trend> {
+pub fn trends(measurement: &Measurement, model: &Model, table: &Table) -> Vec<Trend> {
     let mut trends = Vec::new();
-    for sensor in &measurement.sensors {
-        let sensor_rows: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
-        let residuals: Vec<f64> = sensor_rows.iter().map(|row| row.measured - row.predicted).collect();
+    for (position, sensor) in measurement.sensors.iter().enumerate() {
+        let sensor_rows: Vec<Row<&str>> = table.column(position).collect();
+        let residuals: Vec<f64> = sensor_rows.iter().map(Row::deviation).collect();
         for (against, unit, values) in abscissae(measurement, model, &sensor_rows) {
             let Some(line) = Line::fit(&values, &residuals) else { continue };
             let left = line.residuals(&values, &residuals);
@@ -43,12 +44,12 @@ pub fn strongest_first(trends: &mut [Trend]) {
 }
 
 /// What residuals may go with: name, SI unit, one value a row.
-fn abscissae(measurement: &Measurement, model: &Model, rows: &[&Row]) -> Vec<(String, String, Vec<f64>)> {
+fn abscissae(measurement: &Measurement, model: &Model, rows: &[Row<&str>]) -> Vec<(String, String, Vec<f64>)> {
     let si =
         |unit: &str| crate::expression::Unit::parse(unit).map_or_else(|_| unit.to_owned(), |u| u.dimension.to_string());
     match &measurement.rows {
         Rows::Steady(phases) => {
-            let phase_of = |row: &Row| phases.iter().find(|p| Some(&p.name) == row.phase.as_ref());
+            let phase_of = |row: &Row<&str>| phases.iter().find(|p| Some(p.name.as_str()) == row.phase);
             (0..model.inputs.len())
                 .map(|input| {
                     let values = rows.iter().filter_map(|row| Some(phase_of(row)?.inputs[input])).collect();

@@ -4,7 +4,8 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::deviation::deviation;
-use super::output::{Deviation, Row, SensorSummary, TunedSensor, TunedState};
+use super::output::{Deviation, SensorSummary, TunedSensor, TunedState};
+use super::readings::{Row, Table};
 use crate::job::JobError;
 use crate::math::functions::exp;
 use crate::math::special::chi_square_quantile;
@@ -72,67 +73,59 @@ impl Tuned {
         delivered_parameters.map(|(parameter, delivered)| self.find(&parameter.name).unwrap_or(*delivered)).collect()
     }
 
-    /// Adds the tuned predictions to the rows of a measurement, and their statistics to its sensors.
-    pub(super) fn add(
+    /// What is predicted of a measurement's readings, and the measurement with its unknowns as tuned.
+    pub(super) fn predicted(
         &self,
         predictor: &Predictor,
         model: &Model,
         delivered: &[f64],
         measurement: &Measurement,
-        criteria: &Criteria,
-        rows: &mut [Row],
-        sensors: &mut [SensorSummary],
-    ) {
+    ) -> (Measurement, Vec<f64>) {
         let inputs: Vec<String> = model.inputs.iter().map(|input| input.name.clone()).collect();
         let nodes: Vec<String> = model.nodes.iter().map(|node| node.name.clone()).collect();
         let fixed = with_unknowns(measurement, &inputs, &nodes, &|name| self.find(name));
         let parameters = self.parameters(model, delivered);
         let prediction = predictor.predict(&mut predictor.workspace(), &fixed, &parameters);
-        let place = |row: &Row| -> Option<usize> {
-            let sensor = measurement.sensors.iter().position(|sensor| sensor.name == row.sensor)?;
-            let position = match &measurement.rows {
-                Rows::Steady(phases) => phases.iter().position(|phase| Some(&phase.name) == row.phase.as_ref())?,
-                Rows::Transient { inputs, .. } => {
-                    let time_s = row.time_s?;
-                    inputs.times_s.partition_point(|instant_s| *instant_s < time_s)
-                }
-            };
-            Some(position * measurement.sensors.len() + sensor)
-        };
-        for row in rows.iter_mut() {
-            let tuned_reading = place(row).and_then(|place| prediction.readings.get(place)).copied();
-            row.predicted_tuned = tuned_reading.filter(|value| value.is_finite());
-        }
-        for (summary, sensor) in sensors.iter_mut().zip(&fixed.sensors) {
-            let of = |held_out: bool| {
-                statistics(rows.iter().filter(|row| row.sensor == summary.sensor), held_out, criteria.each_k)
-            };
+        (fixed, prediction.readings)
+    }
+
+    /// Adds what tuning made of them to the sensors of a measurement, which has its unknowns as tuned.
+    pub(super) fn add(fixed: &Measurement, criteria: &Criteria, table: &Table, sensors: &mut [SensorSummary]) {
+        for (position, (summary, sensor)) in sensors.iter_mut().zip(&fixed.sensors).enumerate() {
+            let of = |held_out: bool| statistics(table.column(position), held_out, criteria.each_k);
+            let times: Vec<f64> = table.column(position).filter_map(|row| row.time_s).collect();
             summary.tuned = Some(TunedSensor {
                 train: of(false),
                 held_out: of(true),
                 sigma: known(&sensor.sigma),
-                noise_rmse: noise_rmse(&fixed, sensor, rows),
+                noise_rmse: noise_rmse(fixed, sensor, table.column(position).count(), &times),
             });
         }
     }
 
-    /// The tuned state as a whole; `rows` are those of one unit, as its statistics are over several sensors.
-    pub fn state(&self, model: &Model, delivered: &[f64], rows: &[&Row], limit: Option<f64>) -> TunedState {
+    /// The tuned state as a whole; `rows` gives those of one unit, as its statistics are over several sensors.
+    pub fn state<'r, R: Iterator<Item = Row<&'r str>>>(
+        &self,
+        model: &Model,
+        delivered: &[f64],
+        rows: impl Fn() -> R,
+        limit: Option<f64>,
+    ) -> TunedState {
         let parameters = self.parameters(model, delivered);
         TunedState {
             job: self.job.clone(),
             parameters: (model.parameters.iter().zip(parameters))
                 .map(|(parameter, value)| (parameter.name.clone(), parameter.unit.clone(), value))
                 .collect(),
-            train: statistics(rows.iter().copied(), false, limit),
-            held_out: statistics(rows.iter().copied(), true, limit),
+            train: statistics(rows(), false, limit),
+            held_out: statistics(rows(), true, limit),
         }
     }
 }
 
-fn statistics<'r>(rows: impl Iterator<Item = &'r Row>, held_out: bool, limit: Option<f64>) -> Deviation {
+fn statistics<'r>(rows: impl Iterator<Item = Row<&'r str>>, held_out: bool, limit: Option<f64>) -> Deviation {
     let chosen_rows = rows.filter(|row| row.held_out == held_out);
-    let deviations: Vec<f64> = chosen_rows.filter_map(|row| Some(row.measured - row.predicted_tuned?)).collect();
+    let deviations: Vec<f64> = chosen_rows.filter_map(|row| row.tuned_deviation()).collect();
     deviation(&deviations, limit)
 }
 
@@ -145,17 +138,15 @@ fn known(value: &Option<Uncertain>) -> Option<f64> {
 
 /// The range in which the RMSE over a sensor's rows lies with 95 % probability when only its noise is at work: the mean
 /// square is taken as a scaled chi-square whose degrees of freedom match its variance, `n^2 / sum rho_ij^2`
-/// (Satterthwaite 1946).
-fn noise_rmse(measurement: &Measurement, sensor: &Sensor, rows: &[Row]) -> Option<[f64; 2]> {
+/// (Satterthwaite 1946). `times` are the instants of its rows, where it is a transient's.
+fn noise_rmse(measurement: &Measurement, sensor: &Sensor, rows: usize, times: &[f64]) -> Option<[f64; 2]> {
     let sigma = known(&sensor.sigma)?;
     let white = known(&sensor.white).unwrap_or(0.0);
     let total = sigma * sigma + white * white;
-    let sensor_rows: Vec<&Row> = rows.iter().filter(|row| row.sensor == sensor.name).collect();
-    let count = sensor_rows.len() as f64;
+    let count = rows as f64;
     let mut squares = count;
     if let (Rows::Transient { .. }, Some(correlation)) = (&measurement.rows, &sensor.correlation_time_s) {
         let tau_s = correlation.nominal();
-        let times: Vec<f64> = sensor_rows.iter().filter_map(|row| row.time_s).collect();
         let share = sigma * sigma / total;
         for first in 0..times.len() {
             for second in first + 1..times.len() {

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::deviation::deviation;
 use super::deviation::noise_rmse;
 use super::output::{Deviation, Output, SensorSummary};
+use super::readings::Row;
 
 /// The document of `compare --json`: everything in SI, deviations are measured minus predicted.
 ///
@@ -44,23 +45,7 @@ pub fn view(output: &Output, with_rows: bool) -> Value {
         "warnings": output.warnings,
     });
     if with_rows {
-        document["rows"] = output
-            .rows
-            .iter()
-            .map(|row| {
-                json!({
-                    "measurement": row.measurement,
-                    "phase": row.phase,
-                    "time_s": row.time_s,
-                    "sensor": row.sensor,
-                    "unit": row.unit,
-                    "measured": row.measured,
-                    "predicted": row.predicted,
-                    "predicted_tuned": row.predicted_tuned,
-                    "held_out": row.held_out,
-                })
-            })
-            .collect();
+        document["rows"] = json!(output.rows.iter().collect::<Vec<_>>());
     }
     document
 }
@@ -94,17 +79,19 @@ fn by_measurement(output: &Output) -> Map<String, Value> {
     entries
 }
 
+/// The readings of one sensor in its measurements.
+fn rows<'o>(output: &'o Output, same: &'o [&SensorSummary]) -> impl Iterator<Item = Row<&'o str>> {
+    same.iter().flat_map(|sensor| output.rows.of(&sensor.measurement, &sensor.sensor))
+}
+
 /// Statistics of one sensor over its measurements.
 fn statistics(output: &Output, same: &[&SensorSummary]) -> Value {
     let of = |pick: fn(&SensorSummary) -> &Deviation, held_out: bool| -> Deviation {
         if let [only] = same {
             return *pick(only);
         }
-        let is_own = |row: &super::Row| {
-            same.iter().any(|sensor| sensor.measurement == row.measurement && sensor.sensor == row.sensor)
-        };
-        let rows = output.rows.iter().filter(|row| row.held_out == held_out && is_own(row));
-        deviation(&rows.map(|row| row.measured - row.predicted).collect::<Vec<_>>(), output.criteria.each_k)
+        let rows = rows(output, same).filter(|row| row.held_out == held_out);
+        deviation(&rows.map(|row| row.deviation()).collect::<Vec<_>>(), output.criteria.each_k)
     };
     let (train, held_out) = (of(|sensor| &sensor.train, false), of(|sensor| &sensor.held_out, true));
     // The range belongs to the readings of `rmse`; it needs one noise, known and white, for all of them.
@@ -129,12 +116,8 @@ fn tuned(output: &Output, same: &[&SensorSummary]) -> Value {
         return json!({});
     }
     let of = |held_out: bool| -> Deviation {
-        let is_own = |row: &super::Row| {
-            same.iter().any(|sensor| sensor.measurement == row.measurement && sensor.sensor == row.sensor)
-        };
-        let rows = output.rows.iter().filter(|row| row.held_out == held_out && is_own(row));
-        let deviations: Vec<f64> = rows.filter_map(|row| Some(row.measured - row.predicted_tuned?)).collect();
-        deviation(&deviations, output.criteria.each_k)
+        let rows = rows(output, same).filter(|row| row.held_out == held_out);
+        deviation(&rows.filter_map(|row| row.tuned_deviation()).collect::<Vec<_>>(), output.criteria.each_k)
     };
     let mut document = both(&of(false), &of(true));
     document["sigma"] = json!(same.first().and_then(|sensor| sensor.tuned.as_ref()?.sigma));

@@ -1,7 +1,8 @@
 //! Where a comparison fails, in words: sensor, direction, when, and what the error goes with.
 
 use super::deviation::KELVIN;
-use super::output::{Row, SensorSummary, Trend};
+use super::output::{SensorSummary, Trend};
+use super::readings::{Readings, Row};
 use super::stretch;
 use crate::measurement::Measurement;
 
@@ -23,7 +24,7 @@ pub fn fails(
     sensors: &[SensorSummary],
     measurements: &[Measurement],
     trends: &[Trend],
-    rows: &[Row],
+    rows: &Readings,
     limit_k: Option<f64>,
 ) -> Vec<String> {
     // By how many times a sensor is beyond what is allowed, which compares sensors of different units.
@@ -47,11 +48,10 @@ fn sentence(
     sensors: &[SensorSummary],
     measurements: &[Measurement],
     trends: &[Trend],
-    rows: &[Row],
+    rows: &Readings,
 ) -> String {
-    let sensor_rows: Vec<&Row> =
-        rows.iter().filter(|row| row.measurement == sensor.measurement && row.sensor == sensor.sensor).collect();
-    let all: Vec<f64> = sensor_rows.iter().map(|row| row.measured - row.predicted).collect();
+    let sensor_rows: Vec<Row<&str>> = rows.of(&sensor.measurement, &sensor.sensor).collect();
+    let all: Vec<f64> = sensor_rows.iter().map(Row::deviation).collect();
     let overall = super::deviation::deviation(&all, None);
     let one_sided = all.iter().filter(|d| (**d > 0.0) == (overall.mean > 0.0)).count() as f64 / all.len().max(1) as f64;
     let temperature = sensor.unit == KELVIN;
@@ -78,14 +78,13 @@ fn sentence(
             signed(sensor.held_out.rmse, &sensor.unit).trim_start_matches('+'),
         ));
     }
-    let worst =
-        sensor_rows.iter().max_by(|a, b| (a.measured - a.predicted).abs().total_cmp(&(b.measured - b.predicted).abs()));
+    let worst = sensor_rows.iter().max_by(|a, b| a.deviation().abs().total_cmp(&b.deviation().abs()));
     if let Some(row) = worst {
-        let place = match (&row.phase, row.time_s) {
+        let place = match (row.phase, row.time_s) {
             (Some(phase), _) => format!("in phase {phase}"),
             (None, Some(time_s)) => {
                 let deviations: Vec<(f64, f64)> =
-                    sensor_rows.iter().filter_map(|row| Some((row.time_s?, row.measured - row.predicted))).collect();
+                    sensor_rows.iter().filter_map(|row| Some((row.time_s?, row.deviation()))).collect();
                 let own = measurements.iter().find(|own| own.name == sensor.measurement);
                 match own.and_then(|own| stretch::worst(own, &deviations)) {
                     Some(stretch) => format!("at {time_s:.0} s; worst stretch {stretch}"),
@@ -94,7 +93,7 @@ fn sentence(
             }
             (None, None) => String::new(),
         };
-        text.push_str(&format!(", at worst {} {place}", signed(row.measured - row.predicted, &sensor.unit)));
+        text.push_str(&format!(", at worst {} {place}", signed(row.deviation(), &sensor.unit)));
     }
     let named: Vec<String> = trends
         .iter()

@@ -51,11 +51,10 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.extend(heat(output));
         blocks.extend(stabilisation(output));
         if output.rows.len() > MOST_ROWS {
-            blocks.push(Block::Paragraph(
-                Text::new(format!("All {} readings beside their predictions are in ", output.rows.len()))
-                    .code("results.json")
-                    .plain("."),
-            ));
+            let text = Text::new(format!("All {} readings beside their predictions are in ", output.rows.len()));
+            let text =
+                if output.rows.arrays().is_empty() { text } else { text.code("results/*.npy").plain(" beside ") };
+            blocks.push(Block::Paragraph(text.code("results.json").plain(".")));
         } else {
             blocks.extend(readings(report, output, has_several(output)));
         }
@@ -412,19 +411,19 @@ fn readings(report: &PassReport<'_>, output: &Output, has_several: bool) -> Opti
         .rows
         .iter()
         .map(|r| {
-            let shown: Shown = report.sensor_shown(&r.measurement, &r.sensor, &r.unit);
-            let moment = match (&r.phase, r.time_s) {
+            let shown: Shown = report.sensor_shown(r.measurement, r.sensor, r.unit);
+            let moment = match (r.phase, r.time_s) {
                 (Some(phase), _) => Cell::code(phase),
                 (None, Some(time)) => format!("{} s", fixed(time, 1)).into(),
                 (None, None) => NONE.into(),
             };
             vec![
-                Cell::code(&r.measurement),
+                Cell::code(r.measurement),
                 moment,
-                Cell::code(&r.sensor),
+                Cell::code(r.sensor),
                 shown.number(r.measured).into(),
                 shown.number(r.predicted).into(),
-                signed(r.measured - r.predicted, decimals(&r.unit)).into(),
+                signed(r.deviation(), decimals(r.unit)).into(),
                 shown.unit.clone().into(),
                 (if r.held_out { "held out" } else { "" }).into(),
             ]

@@ -3,7 +3,7 @@
 mod contours;
 mod readings;
 
-use crate::job::compare::{self, Row};
+use crate::job::compare;
 use crate::measurement::{Measurement, Phase, Rows};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Tone};
 use crate::report::view::PassReport;
@@ -62,10 +62,12 @@ fn phases(measurement: &Measurement) -> Vec<(usize, &Phase)> {
 
 /// What the last comparison with a measurement predicts of a sensor in a phase, tuned where it was tuned, and whether it was.
 fn predicted(report: &PassReport<'_>, measurement: &str, sensor: &str, phase: &str) -> Option<(f64, bool)> {
-    let is_asked =
-        |row: &&Row| row.measurement == measurement && row.sensor == sensor && row.phase.as_deref() == Some(phase);
-    let rows = report.outputs::<compare::Kind>().filter_map(|(_, output)| output.rows.iter().find(is_asked));
-    rows.last().map(|row| row.predicted_tuned.map_or((row.predicted, false), |tuned| (tuned, true)))
+    let of = |output: &compare::Output| {
+        let row = output.rows.of(measurement, sensor).find(|row| row.phase == Some(phase))?;
+        Some((row.predicted, row.predicted_tuned))
+    };
+    let rows = report.outputs::<compare::Kind>().filter_map(|(_, output)| of(output));
+    rows.last().map(|(delivered, tuned)| tuned.map_or((delivered, false), |tuned| (tuned, true)))
 }
 
 /// Root mean square and largest magnitude; `None` without numbers.

@@ -127,11 +127,12 @@ fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
     if let Some((job, output)) = report.outputs::<compare::Kind>().find(|(_, o)| !o.rows.is_empty()) {
         let shows = comparison::Shows::of(output);
         let worst = comparison::worst_sensor(output);
-        let measurement = worst.map_or(output.rows[0].measurement.as_str(), |s| s.measurement.as_str());
+        let first = output.rows.first()?;
+        let measurement = worst.map_or(first.measurement, |s| s.measurement.as_str());
         if report.is_steady(measurement, &output.rows) {
             return Some(comparison::phase_map(report, job, output, measurement, shows, true));
         }
-        let sensor = worst.map_or(output.rows[0].sensor.as_str(), |s| s.sensor.as_str());
+        let sensor = worst.map_or(first.sensor, |s| s.sensor.as_str());
         return Some(comparison::time_history(report, job, output, measurement, sensor, shows, true));
     }
     if let Some(figure) = report

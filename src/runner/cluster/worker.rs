@@ -15,8 +15,9 @@ use crate::runner::engine::pool::pool;
 use crate::runner::engine::{Settings, block_name};
 use crate::runner::error::RunnerError;
 use crate::runner::events::Listener;
-use crate::runner::plan::{Plan, Stored};
+use crate::runner::plan::Plan;
 use crate::runner::polling::stopped_when;
+use crate::runner::stored::Stored;
 
 /// A block may go on so long after the scheduler has asked the shard to end.
 const LAST_BLOCK: Duration = Duration::from_secs(20);

@@ -19,12 +19,13 @@ use super::block::{Blocks, Halt, Working, caught, failure};
 use super::elsewhere::{Elsewhere, Settled, Wanted};
 use super::pool::pool;
 use super::{Finished, Outcome, RunSummary, Settings, StopFlag, block_name};
+use crate::job::stored::ResultDocument;
 use crate::job::{Next, Stage};
 use crate::runner::cache::{Cache, Kind};
 use crate::runner::error::RunnerError;
 use crate::runner::events::{Event, Listener};
-use crate::runner::key::canonical_bytes;
-use crate::runner::plan::{Plan, State, Stored};
+use crate::runner::plan::{Plan, State};
+use crate::runner::stored::{self, Stored};
 
 /// Runs what is missing of a plan.
 ///
@@ -307,8 +308,8 @@ impl<'a> Run<'a> {
         loop {
             match next {
                 Err(halt) => return self.end(scope, active.position, halt.into()),
-                Ok(Next::Done(value)) => {
-                    let outcome = self.publish(&active, &value);
+                Ok(Next::Done(result)) => {
+                    let outcome = self.publish(&active, result);
                     let outcome = outcome.map_or_else(|error| Outcome::Failed(Arc::new(error)), Outcome::Finished);
                     return self.end(scope, active.position, outcome);
                 }
@@ -390,9 +391,11 @@ impl<'a> Run<'a> {
         Ok(output)
     }
 
-    fn publish(&self, active: &Active, value: &serde_json::Value) -> Result<Finished, RunnerError> {
+    fn publish(&self, active: &Active, result: ResultDocument) -> Result<Finished, RunnerError> {
         let (job, key) = (self.id(active.position), self.plan.keys()[active.position].clone());
-        let bytes = canonical_bytes(value, &format!("the result of job `{job}`"))?;
+        let bytes = stored::bytes(&result, &job)?;
+        // Of a long result there is one copy at a time.
+        drop(result);
         self.blocks.store(Kind::Result, &key, &key, &bytes)?;
         let finished = Finished {
             key,

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use super::error::RunnerError;
 use super::key::{Key, block_key};
-use super::plan::Stored;
+use super::stored::Stored;
 use crate::job::Stage;
 
 /// The name of the output of a stage's block in the cache; `owner` is the job's key.

@@ -1,5 +1,6 @@
 //! Tests of `src/job/kind.rs`.
 
+use bmv::job::array::Arrays;
 use bmv::job::kind::*;
 use bmv::job::{KINDS, design, goal};
 use serde_json::Value;
@@ -17,9 +18,9 @@ fn every_kind_stands_once_and_is_found_by_its_name() {
 fn a_result_is_read_as_its_kind_alone() {
     let written = design::Output { estimator: "own".to_owned(), ..design::Output::default() };
     let value = serde_json::to_value(&written).expect("JSON");
-    let read = find("design").expect("a kind").output(&value).expect("a result");
+    let read = find("design").expect("a kind").output(&value, &Arrays::default()).expect("a result");
     assert_eq!(read.as_any().downcast_ref::<design::Output>(), Some(&written));
     assert!(read.as_any().downcast_ref::<goal::Output>().is_none());
     assert_eq!((read.kind(), read.to_json().expect("JSON")), ("design", value));
-    assert!(find("goal").expect("a kind").output(&Value::Null).is_err());
+    assert!(find("goal").expect("a kind").output(&Value::Null, &Arrays::default()).is_err());
 }

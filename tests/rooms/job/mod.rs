@@ -1,3 +1,4 @@
+mod array;
 mod calibrate;
 mod compare;
 mod conventional;

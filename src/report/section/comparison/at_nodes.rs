@@ -35,9 +35,9 @@ pub(in crate::report::section) fn at_nodes(report: &PassReport<'_>) -> Option<At
     for sensor in output.sensors.iter().filter(|sensor| sensor.unit == "K") {
         let place = node(report, &sensor.measurement, &sensor.sensor).and_then(|node| largest.get_mut(node));
         let Some(own) = place else { continue };
-        let rows =
-            output.rows.iter().filter(|row| row.sensor == sensor.sensor && row.measurement == sensor.measurement);
-        for deviation in rows.map(|row| row.measured - shows.predicted(row)).filter(|deviation| deviation.is_finite()) {
+        let rows = output.rows.of(&sensor.measurement, &sensor.sensor);
+        for deviation in rows.map(|row| row.measured - shows.predicted(&row)).filter(|deviation| deviation.is_finite())
+        {
             if own.is_none_or(|own: f64| deviation.abs() > own.abs()) {
                 *own = Some(deviation);
             }

@@ -1,7 +1,9 @@
 //! Figures of a comparison: map of the phases, residuals and histories in time, histogram of the deviations.
 
+use std::collections::HashMap;
+
 use crate::document::counted;
-use crate::job::compare::{Kind, Output, Row, SensorSummary};
+use crate::job::compare::{Kind, Output, Row, SensorSummary, Table};
 use crate::report::number::{NONE, signed};
 use crate::report::page::{Block, Figure, Text};
 use crate::report::plot::{
@@ -18,9 +20,9 @@ const MOST_HISTORIES: usize = 24;
 /// Measurements of an output in the order of the rows.
 fn measurements(output: &Output) -> Vec<&str> {
     let mut out: Vec<&str> = Vec::new();
-    for row in &output.rows {
-        if !out.contains(&row.measurement.as_str()) {
-            out.push(&row.measurement);
+    for table in output.rows.tables() {
+        if !out.contains(&table.measurement.as_str()) {
+            out.push(&table.measurement);
         }
     }
     out
@@ -29,9 +31,11 @@ fn measurements(output: &Output) -> Vec<&str> {
 /// Sensors of a measurement with their units; the worst where there are many.
 fn sensor_names<'a>(output: &'a Output, measurement: &str) -> Vec<(&'a str, &'a str)> {
     let mut out: Vec<(&str, &str)> = Vec::new();
-    for row in output.rows.iter().filter(|r| r.measurement == measurement) {
-        if !out.iter().any(|listed_sensor| listed_sensor.0 == row.sensor) {
-            out.push((&row.sensor, &row.unit));
+    for table in output.rows.of_measurement(measurement) {
+        for channel in table.channels_read() {
+            if !out.iter().any(|listed_sensor| listed_sensor.0 == channel.sensor) {
+                out.push((&channel.sensor, &channel.unit));
+            }
         }
     }
     if out.len() > MOST_SENSORS {
@@ -101,7 +105,7 @@ impl Shows {
         if output.tuned.is_some() { Self::Tuned } else { Self::Delivered }
     }
 
-    pub(super) fn predicted(self, row: &Row) -> f64 {
+    pub(super) fn predicted(self, row: &Row<&str>) -> f64 {
         match self {
             Self::Delivered => row.predicted,
             Self::Tuned => row.predicted_tuned.unwrap_or(f64::NAN),
@@ -124,12 +128,12 @@ impl Shows {
 /// Magnitude of the full colour, K: the largest deviation that any state of the model leaves, so that maps before and after
 /// tuning can be held against one another.
 pub(super) fn full_scale(report: &PassReport<'_>) -> f64 {
-    let rows = report.outputs::<Kind>().flat_map(|(_, output)| &output.rows).filter(|row| row.unit == "K");
+    let rows = report.outputs::<Kind>().flat_map(|(_, output)| output.rows.iter()).filter(|row| row.unit == "K");
     let deviations = rows.flat_map(|row| {
         [Some(row.predicted), row.predicted_tuned]
             .into_iter()
             .flatten()
-            .map(|predicted| (row.measured - predicted).abs())
+            .map(move |predicted| (row.measured - predicted).abs())
     });
     deviations.filter(|deviation| deviation.is_finite()).fold(0.0, f64::max)
 }
@@ -156,20 +160,17 @@ pub(in crate::report::section) fn phase_map(
     if is_small && all_sensors > most_sensors {
         keep_worst(output, measurement, most_sensors, &mut sensors);
     }
-    let rows: Vec<&Row> = output.rows.iter().filter(|r| r.measurement == measurement).collect();
     let mut phases: Vec<(&str, bool)> = Vec::new();
-    for row in &rows {
-        let name = row.phase.as_deref().unwrap_or(NONE);
+    let mut deviations: HashMap<(&str, &str), f64> = HashMap::new();
+    for row in output.rows.of_measurement(measurement).flat_map(Table::iter) {
+        let name = row.phase.unwrap_or(NONE);
         if phases.last().is_none_or(|last| last.0 != name) && !phases.iter().any(|p| p.0 == name) {
             phases.push((name, row.held_out));
         }
+        deviations.entry((name, row.sensor)).or_insert_with(|| row.measured - shows.predicted(&row));
     }
-    let value = |phase: &str, sensor: &str| {
-        rows.iter()
-            .find(|r| r.phase.as_deref().unwrap_or(NONE) == phase && r.sensor == sensor)
-            .map(|r| r.measured - shows.predicted(r))
-            .filter(|deviation| deviation.is_finite())
-    };
+    let value =
+        |phase: &str, sensor: &str| deviations.get(&(phase, sensor)).copied().filter(|deviation| deviation.is_finite());
     let all_phases = phases.len();
     if is_small && all_phases > most_phases {
         let worst_of = |phase: &str| {
@@ -224,9 +225,8 @@ pub(in crate::report::section) fn phase_map(
     }
 }
 
-/// Stretches of time that are held out, from the rows.
-fn held_out(rows: &[&Row]) -> Vec<Shade> {
-    let mut times: Vec<(f64, bool)> = rows.iter().filter_map(|r| Some((r.time_s?, r.held_out))).collect();
+/// Stretches of time that are held out, from instants of which each says whether it is.
+fn held_out(mut times: Vec<(f64, bool)>) -> Vec<Shade> {
     times.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut out: Vec<Shade> = Vec::new();
     let mut is_open = false;
@@ -241,13 +241,14 @@ fn held_out(rows: &[&Row]) -> Vec<Shade> {
     out
 }
 
-fn of_sensor<'a>(output: &'a Output, measurement: &str, sensor: &str) -> Vec<&'a Row> {
-    output.rows.iter().filter(|r| r.measurement == measurement && r.sensor == sensor && r.time_s.is_some()).collect()
+fn of_sensor<'a>(output: &'a Output, measurement: &str, sensor: &str) -> Vec<Row<&'a str>> {
+    let rows = output.rows.of_measurement(measurement).flat_map(|table| table.of(sensor));
+    rows.filter(|row| row.time_s.is_some()).collect()
 }
 
 /// Time in the unit that keeps its numbers short.
-fn time_unit(rows: &[&Row]) -> (f64, &'static str) {
-    let last = rows.iter().filter_map(|r| r.time_s).fold(0.0, f64::max);
+fn time_unit(times: &[(f64, bool)]) -> (f64, &'static str) {
+    let last = times.iter().map(|(time_s, _)| *time_s).fold(0.0, f64::max);
     if last > 48.0 * 3600.0 {
         (86_400.0, "time [d]")
     } else if last > 3.0 * 3600.0 {
@@ -267,20 +268,22 @@ fn scaled(mut shades: Vec<Shade>, unit: f64) -> Vec<Shade> {
 
 fn strips(job: &str, output: &Output, measurement: &str) -> Figure {
     let sensors = sensor_names(output, measurement);
-    let all: Vec<&Row> = output.rows.iter().filter(|r| r.measurement == measurement).collect();
-    let (per, title) = time_unit(&all);
+    let tables = output.rows.of_measurement(measurement);
+    let moments = tables.flat_map(Table::moments_read);
+    let times: Vec<(f64, bool)> = moments.filter_map(|own| Some((own.time_s?, own.held_out))).collect();
+    let (per, title) = time_unit(&times);
     let strips: Vec<Strip> = sensors
         .iter()
         .map(|(sensor, _)| Strip {
             label: (*sensor).to_owned(),
             points: of_sensor(output, measurement, sensor)
                 .into_iter()
-                .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, r.measured - r.predicted))
+                .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, r.deviation()))
                 .collect(),
         })
         .collect();
     let unit = if sensors.iter().all(|s| s.1 == "K") { "K" } else { "SI" };
-    let shades = scaled(held_out(&all), per);
+    let shades = scaled(held_out(times), per);
     let shaded = if shades.is_empty() { "" } else { "; the shaded time is held out from every fit" };
     Figure {
         id: format!("{job}-{measurement}-residuals"),
@@ -304,10 +307,11 @@ pub(in crate::report::section) fn time_history(
     is_small: bool,
 ) -> Figure {
     let rows = of_sensor(output, measurement, sensor);
-    let unit = rows.first().map_or("", |r| r.unit.as_str());
+    let unit = rows.first().map_or("", |r| r.unit);
     let shown = report.sensor_shown(measurement, sensor, unit);
-    let (per, title) = time_unit(&rows);
-    let shades = scaled(held_out(&rows), per);
+    let times: Vec<(f64, bool)> = rows.iter().filter_map(|row| Some((row.time_s?, row.held_out))).collect();
+    let (per, title) = time_unit(&times);
+    let shades = scaled(held_out(times), per);
     let shaded = if shades.is_empty() { "" } else { " The shaded time is held out from every fit." };
     let data = History {
         x_title: title.into(),
@@ -345,13 +349,8 @@ pub(in crate::report::section) fn time_history(
 }
 
 fn residual_histogram(job: &str, output: &Output, measurement: &str) -> Option<Figure> {
-    let residuals: Vec<f64> = output
-        .rows
-        .iter()
-        .filter(|r| r.measurement == measurement && r.unit == "K")
-        .map(|r| r.measured - r.predicted)
-        .filter(|d| d.is_finite())
-        .collect();
+    let rows = output.rows.of_measurement(measurement).flat_map(Table::iter).filter(|row| row.unit == "K");
+    let residuals: Vec<f64> = rows.map(|row| row.deviation()).filter(|d| d.is_finite()).collect();
     let largest = residuals.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
     if residuals.len() < 8 || largest == 0.0 {
         return None;

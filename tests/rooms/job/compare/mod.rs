@@ -1,4 +1,5 @@
 mod deviation;
+mod readings;
 mod stretch;
 mod tuned;
 mod view;

@@ -1,7 +1,8 @@
 //! Tests of `src/job/compare/tuned.rs`.
 
-use bmv::job::compare::output::Row;
+use bmv::job::compare::deviation::common_unit;
 use bmv::job::compare::tuned::*;
+use bmv::job::compare::{Readings, Row};
 use bmv::thermal::Model;
 
 #[test]
@@ -25,10 +26,11 @@ fn kelvins_and_amperes_have_no_mean() {
         predicted_tuned: Some(0.0),
         held_out: false,
     };
-    let rows = [row("A", 100.0), row("K", 3.0), row("K", -4.0)];
-    let (unit, judged) = bmv::job::compare::deviation::of_one_unit(&rows);
+    let readings: Readings = [row("A", 100.0), row("K", 3.0), row("K", -4.0)].into_iter().collect();
+    let unit = common_unit(readings.iter());
+    let judged = || readings.iter().filter(|row| row.unit == unit);
     let tuned = Tuned { job: "fit".into(), values: vec![], unknowns: 0, converged: true };
-    let state = tuned.state(&Model::default(), &[], &judged, None);
+    let state = tuned.state(&Model::default(), &[], judged, None);
     // By hand: the root of (9 + 16) / 2.
     assert_eq!((unit, state.train.count, state.train.rmse), ("K", 2, 12.5f64.sqrt()));
 }

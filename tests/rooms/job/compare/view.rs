@@ -44,7 +44,7 @@ fn output(units: [&str; 2]) -> Output {
         state: "nominal".into(),
         parameters: vec![("G".into(), "W/K".into(), 0.5)],
         sensors: vec![summary("a", units[0]), summary("b", units[1])],
-        rows,
+        rows: rows.into_iter().collect(),
         phases: vec![],
         train: Deviation::default(),
         held_out: Deviation::default(),
