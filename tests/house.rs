@@ -237,7 +237,11 @@ const KINDS: &[(&str, &str)] = &[
 /// Files that name a kind's module without being its section, with the reason.
 const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("report/section/summary", &["*"], "the first screen weighs the results of all kinds against one another"),
-    ("report/section/validation.rs", &["compare", "propagate"], "a claim rests on the model's test"),
+    (
+        "report/section/validation.rs",
+        &["calibrate", "compare", "predict", "propagate"],
+        "a claim rests on the model's test, and on chains that converged",
+    ),
     ("report/section/network/marked.rs", &["diagnose"], "draws what is missing where it is missing"),
     ("report/ladder.rs", &["compare"], "a comparison tells how the states of a model stand"),
     ("report/section/prediction", &["propagate"], "a prediction is two propagations"),
@@ -262,7 +266,7 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("cli/test_plan.rs", &["test_plan"], "the verb for this kind"),
     ("cli/export.rs", &["calibrate"], "the verb for the draws of this kind"),
     ("batch/export", &["calibrate"], "completes the draws of a calibration by what they predict"),
-    ("batch/next_pass", &["diagnose"], "writes the pass that adopts what a diagnosis found"),
+    ("batch/next_pass", &["calibrate", "diagnose"], "writes the pass that adopts what a diagnosis found and judges it"),
 ];
 
 /// The words of a text.

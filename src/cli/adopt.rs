@@ -10,7 +10,7 @@ use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
 use super::{Context, select};
 use crate::batch::LoadedPass;
-use crate::batch::next_pass::{Adoption, Asked, NextPass, adopt_into, probability_text};
+use crate::batch::next_pass::{Acting, Adoption, Asked, NextPass, acts_in, adopt_into, probability_text};
 use crate::diagnosis::output::EffectResult;
 use crate::diagnosis::{Output, RISES};
 use crate::document::suggest;
@@ -26,9 +26,12 @@ const MOST_DIAGNOSTICS: usize = 20;
     after_help = "Effects are named as in `effects` of `bmv diagnose PASS --json`, or by a beginning or an effect's \
                         name that stands for one. What the diagnosis did not select, or could not tell from what it \
                         selected, is refused; what it leaves open (`ambiguous`) is adopted by name only. The next pass takes all else from its parent; nothing is run.\n\n\
+                        An effect acts in every measurement and environment, so that flight predictions have it too. What \
+                        belongs to the test alone (a harness, the chamber) is adopted with --test-only.\n\n\
                         Examples:\n  \
                         bmv adopt my-study/pass-1.json\n  \
-                        bmv adopt my-study/pass-1.json sensor-lag"
+                        bmv adopt my-study/pass-1.json sensor-lag\n  \
+                        bmv adopt my-study/pass-1.json conductive-path --test-only"
 )]
 pub(super) struct Adopt {
     /// Pass file
@@ -39,6 +42,12 @@ pub(super) struct Adopt {
     /// File of the next pass, beside its parent [default: the next free pass-N.json]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// The effects belong to the test alone: they act in the measurements of the pass and in no prediction
+    #[arg(long, conflicts_with = "applies_to")]
+    test_only: bool,
+    /// Measurement or environment in which the effects act; may be given several times [default: all]
+    #[arg(long, value_name = "NAME")]
+    applies_to: Vec<String>,
     /// Adopt what the diagnosis does not support, and replace the file that --out names
     #[arg(long)]
     force: bool,
@@ -54,7 +63,13 @@ impl Adopt {
         select::one_pass(&self.pass)?;
         let of_job = self.job.as_ref().map_or_else(String::new, |job| format!(" --job {}", shell_word(job)));
         let pass = self.pass.display().to_string();
-        let asked = Asked::new(&format!("bmv adopt {}{of_job}", shell_word(&pass)), &self.effects);
+        let acting = match (self.test_only, self.applies_to.as_slice()) {
+            (true, _) => Acting::InTests,
+            (false, []) => Acting::Everywhere,
+            (false, names) => Acting::In(names.to_vec()),
+        };
+        let command = format!("bmv adopt {}{of_job}", shell_word(&pass));
+        let asked = Asked::new(&command, &self.effects).acting(acting.clone());
         let job = select::job_of_kind(&self.pass, "diagnose", self.job.as_deref(), context.coloured)?;
         let options = self.options.clone().into();
         let executed = execute(std::slice::from_ref(&self.pass), &options, context, |_, name| name == job)?;
@@ -78,7 +93,10 @@ impl Adopt {
                 if !next.warnings.is_empty() {
                     tell(&next.warnings.render(context.coloured, MOST_DIAGNOSTICS));
                 }
-                print(&described(pass, &path, &next, &diagnosis))?;
+                let words: String = self.effects.iter().map(|effect| format!(" {}", shell_word(effect))).collect();
+                let acting =
+                    next.acts_on_model.then(|| where_it_acts(pass, &path, &next, &acting, &(command + &words)));
+                print(&described(pass, &path, &next, (&diagnosis, &acting.unwrap_or_default())))?;
             }
         }
         Ok(Status::of(&executed))
@@ -86,7 +104,7 @@ impl Adopt {
 }
 
 /// What was written, what stays open, and the next commands.
-fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Output) -> String {
+fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, (diagnosis, acting): (&Output, &str)) -> String {
     let shown = escaped(&path.display().to_string());
     let mut text = format!("wrote {shown}: {} with\n", escaped(&pass.file));
     for (name, finding) in &next.adopted {
@@ -94,6 +112,7 @@ fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Ou
         let against = if diagnosis.supports(finding) { "" } else { ", against the diagnosis" };
         text.push_str(&format!("  {}: {}, probability {probability}{against}\n", escaped(name), escaped(&finding.id)));
     }
+    text.push_str(acting);
     for file in &next.files {
         text.push_str(&format!(
             "wrote effects/{}.json: the {} that the diagnosis proposes\n",
@@ -118,6 +137,22 @@ fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, diagnosis: &Ou
         ));
     }
     text + &now_try(pass, path)
+}
+
+/// Where the effects act, and how that is changed where they belong to the test alone.
+fn where_it_acts(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, acting: &Acting, command: &str) -> String {
+    let (sentence, tests) = acts_in(&pass.pass, acting, next.adopted.len() == 1);
+    let mut text = format!("{}\n", escaped(&sentence));
+    if let Some(tests) = tests {
+        let shown = escaped(&path.display().to_string());
+        let (out, command) = (escaped(&shell_word(&path.display().to_string())), escaped(command));
+        text.push_str(&format!(
+            "does it belong to the test alone (a harness, the chamber)? then write \"applies_to\": {} beside \"because\" in \
+             {shown}, or\n{command} --test-only --out {out} --force\n",
+            escaped(&tests)
+        ));
+    }
+    text
 }
 
 /// Errors on the held-out rows before and after, K, where they rise by more than a twentieth.

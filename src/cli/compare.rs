@@ -13,6 +13,7 @@ use crate::batch::{self, Loaded};
 use crate::job::compare::Kind;
 use crate::report::section::{READINGS, TUNED, results};
 use crate::report::terminal;
+use crate::report::view::untuned;
 
 /// Arguments of `bmv compare`.
 #[derive(Debug, clap::Args)]
@@ -76,10 +77,12 @@ impl Compare {
             print(&terminal::render(&sections, context.layout))?;
         }
         let shown = escaped(&self.pass.display().to_string());
+        let has_adopted = executed.passes.iter().any(|pass| !pass.pass.adopted.is_empty());
         for (job, calibration) in delivered {
+            let state = untuned(has_adopted);
             let (job, calibration) = (escaped(&job), escaped(&calibration));
             tell(&format!(
-                "`{job}` is of the model as delivered: calibration `{calibration}` has no result in the cache; with the \
+                "`{job}` is of the model {state}: calibration `{calibration}` has no result in the cache; with the \
                  tuned state: bmv compare {shown} --tuned"
             ));
         }

@@ -43,7 +43,7 @@ fn next(output: &Output, adopt: &str) -> Option<String> {
         return None;
     }
     if output.verdict.names_one_set() {
-        return Some(format!("next: {adopt}"));
+        return Some(format!("next: {adopt} (what belongs to the test alone: with --test-only)"));
     }
     let ids: Vec<_> = output.selected.iter().map(|id| shell_word(id)).collect();
     let settled: Vec<_> = output.settled().iter().map(|effect| shell_word(&effect.id)).collect();

@@ -10,9 +10,11 @@ use super::import::read;
 use super::output::{escaped, print, print_json, shown, tell};
 use super::status::{Failure, Status};
 use crate::document::visible::shell_word;
-use crate::import::logger::{self, Known, Said, Settings, propose};
+use crate::expression::Symbol;
+use crate::import::logger::{self, Known, MapTemplate, Said, Settings, map_template, propose};
 use crate::study::discover;
 use crate::study::file::{self, Existing};
+use crate::thermal::{Model, Node, NodeKind};
 
 /// Diagnostics printed of logs that are not understood.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -62,6 +64,18 @@ pub(super) struct Csv {
     json: bool,
 }
 
+/// Boundary nodes whose temperature is an input: names of both.
+fn boundaries(model: &Model) -> Vec<(String, String)> {
+    let input = |node: &Node| {
+        let NodeKind::Boundary { temperature } = node.kind else { return None };
+        match model.graph.symbols(temperature).into_iter().collect::<Vec<_>>().as_slice() {
+            [Symbol::Input(index)] => model.inputs.get(*index as usize),
+            _ => None,
+        }
+    };
+    model.nodes.iter().filter_map(|node| Some((node.name.clone(), input(node)?.name.clone()))).collect()
+}
+
 impl Csv {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
@@ -90,14 +104,30 @@ impl Csv {
             Known {
                 measured: nodes.chain(quantities).collect(),
                 inputs: pass.model.inputs.iter().map(|input| input.name.clone()).collect(),
+                units: pass.model.inputs.iter().map(|input| input.unit.clone()).collect(),
+                boundaries: boundaries(&pass.model),
             }
         });
         let name = self.name.as_str();
         let file = format!("data/{name}.csv");
         let said = Said { held: self.hold.clone(), linear: self.linear.clone() };
         let proposal = propose(&record, &known, &said, &file).map_err(Failure::input)?;
-        let became = self.write(Path::new(&file), &proposal.csv)?;
         let mut said = proposal.in_words(&record);
+        let is_mapped = self.channels.is_some() || known == Known::default() || !proposal.has_unknown;
+        let template = (!is_mapped).then(|| map_template(&record, &known));
+        if let Some(template) = template.as_ref().filter(|_| proposal.sensors.is_empty()) {
+            said.push_str(&format!(
+                "Nothing was written: no channel is named like a node or a quantity.\n{}",
+                self.next_step(template, false)
+            ));
+            if self.json {
+                print_json(&json!({"file": null, "pass": null, "notes": proposal.notes, "channels": template.csv}))?;
+            } else {
+                print(&said)?;
+            }
+            return Ok(Status::Done);
+        }
+        let became = self.write(Path::new(&file), &proposal.csv)?;
         said.push_str(&format!("{became} {}\n", shown(&self.into.join(&file))));
         let mut written = None;
         if let Some(before) = before.as_deref().filter(|_| !proposal.sensors.is_empty()) {
@@ -119,8 +149,10 @@ impl Csv {
             let measurement = serde_json::to_string_pretty(&measurement).unwrap_or_default();
             said.push_str(&format!("No pass was written; to be put into one:\n{measurement}\n"));
         }
+        said.push_str(&template.as_ref().map_or_else(String::new, |template| self.next_step(template, true)));
         if self.json {
             print_json(&json!({
+                "channels": template.map(|template| template.csv),
                 "file": file,
                 "pass": written.map(|pass| pass.display().to_string()),
                 "measurements": {name: proposal.measurement},
@@ -132,6 +164,26 @@ impl Csv {
             print(&said)?;
         }
         Ok(Status::Done)
+    }
+
+    /// A map of the channels to begin with, and the command that reads it.
+    fn next_step(&self, template: &MapTemplate, is_written: bool) -> String {
+        let shown_word = |path: &PathBuf| escaped(&shell_word(&path.display().to_string()));
+        let files: Vec<String> = self.files.iter().map(shown_word).collect();
+        let name = if self.name == "log" { String::new() } else { format!(" --name {}", self.name) };
+        let force = if is_written { " --force" } else { "" };
+        let without = match template.without_channel.as_str() {
+            "" => String::new(),
+            names => format!("without a channel so far: {}\n", escaped(names)),
+        };
+        format!(
+            "Say what the channels are: write these lines to channels.csv, mend what was guessed by name (`name` is an input, or \
+             the sensor's name with what it `measures`; a line without a name leaves its channel out), then\n\
+             bmv import csv {} --into {}{name} --channels channels.csv{force}\n{without}\n{}",
+            files.join(" "),
+            shown_word(&self.into),
+            crate::document::visible::escaped_lines(&template.csv)
+        )
     }
 
     /// Title of the pass that takes a measurement up.

@@ -81,7 +81,12 @@ pub fn assemble<'p>(
         let output = kind
             .output(&job.result.value, &job.result.arrays)
             .map_err(|source| ResultError { job: job.name.to_owned(), source })?;
-        results.push(JobEntry { name: job.name.to_owned(), key: job.key.to_owned(), output });
+        results.push(JobEntry {
+            name: job.name.to_owned(),
+            key: job.key.to_owned(),
+            output,
+            has_adopted: !pass.adopted.is_empty(),
+        });
     }
     let names = pass.model.parameters.iter().map(|parameter| parameter.name.clone());
     Ok(PassReport {

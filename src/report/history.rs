@@ -66,8 +66,13 @@ pub struct PassErrors {
     pub log_evidence: Option<f64>,
     /// Its standard error.
     pub log_evidence_sd: Option<f64>,
+    /// Whether value and error are to be trusted.
+    pub log_evidence_is_trusted: Option<bool>,
     /// Whether the calibration's sampler converged.
     pub converged: Option<bool>,
+    /// What mends it where it did not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remedy: Option<String>,
     /// Numbers of readings.
     pub readings: Readings,
     /// Hash of the readings themselves; two passes' errors are held against one another only where they have the same.
@@ -118,7 +123,9 @@ impl PassErrors {
             errors.reduced_chi2 = output.reduced_chi_square();
             errors.log_evidence = output.log_evidence.value;
             errors.log_evidence_sd = output.log_evidence.sd;
+            errors.log_evidence_is_trusted = output.log_evidence.value.map(|_| output.log_evidence.is_trusted());
             errors.converged = Some(output.converged);
+            errors.remedy = output.remedy().map(|remedy| remedy.in_words(name));
             errors.calibration = Some(name.to_owned());
         }
         errors

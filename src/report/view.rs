@@ -51,9 +51,21 @@ pub struct JobEntry {
     pub key: String,
     /// Output, which knows its kind.
     pub output: Arc<dyn AnyOutput>,
+    /// Whether the model has adopted effects, so that at its nominal parameters it is not the one that was delivered.
+    pub has_adopted: bool,
+}
+
+/// What the model at its nominal parameters is called.
+pub fn untuned(has_adopted: bool) -> &'static str {
+    if has_adopted { "with adopted effects at their nominal sizes" } else { "as delivered" }
 }
 
 impl JobEntry {
+    /// What the model at its nominal parameters is called.
+    pub fn untuned(&self) -> &'static str {
+        untuned(self.has_adopted)
+    }
+
     /// The output, if the job is of this kind.
     pub fn output_of<K: JobKind>(&self) -> Option<&K::Output> {
         self.output.as_any().downcast_ref().filter(|_| self.output.kind() == K::NAME)
@@ -130,6 +142,11 @@ impl PassReport<'_> {
     /// Outputs of a kind with their jobs' names.
     pub fn outputs<K: JobKind>(&self) -> impl Iterator<Item = (&str, &K::Output)> {
         self.results.iter().filter_map(|job| Some((job.name.as_str(), job.output_of::<K>()?)))
+    }
+
+    /// What the model at its nominal parameters is called.
+    pub fn untuned(&self) -> &'static str {
+        untuned(!self.adopted.is_empty())
     }
 
     /// The measured quantity of a sensor.

@@ -47,7 +47,8 @@ pub fn changed(before: &Pass, after: &Pass) -> Result<Vec<ChangedEntry>, Diagnos
         let other = before.measurements.iter().find(|other| other.name == measurement.name);
         let is_listed =
             changed_entries.iter().any(|one| one.entry.starts_with(&format!("measurements.{}", measurement.name)));
-        if !is_listed && other.is_some_and(|other| other.identity() != measurement.identity()) {
+        // Not by all that they resolve to: what a pass adopts moves places in the model's lists, and no reading.
+        if !is_listed && other.is_some_and(|other| other.sha256 != measurement.sha256) {
             changed_entries.push(ChangedEntry {
                 at: after.folder.join(&after.file).display().to_string(),
                 entry: format!("measurements.{}", measurement.name),

@@ -43,5 +43,5 @@ pub use problem::problem;
 pub use project::Project;
 pub use reader::{Reader, load};
 pub use resolve::{command, effects};
-pub use resolved::{AdoptedEffect, Closing, ParameterChange, Pass};
+pub use resolved::{AdoptedEffect, Closing, Evidence, ParameterChange, Pass};
 pub use schema::schema;

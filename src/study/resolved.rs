@@ -21,6 +21,7 @@ use super::model::surrogate::Surrogate;
 use super::pinned::Pinned;
 use super::posterior_prior::PosteriorPrior;
 use super::requirement::{Environment, Requirement, Statement};
+use super::resolve::belongs_to;
 
 /// A pass that can be run.
 #[derive(Clone, Debug)]
@@ -176,7 +177,7 @@ pub struct IgnoredSensor {
 }
 
 /// An effect that the pass adds to the model.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AdoptedEffect {
     /// Its name in the pass; its parameters are `NAME.conductance` and so on.
     pub name: String,
@@ -200,10 +201,32 @@ pub struct AdoptedEffect {
     pub parameters: std::ops::Range<usize>,
     /// Why.
     pub because: String,
-    /// Pass and job that support it.
-    pub evidence: Option<[String; 2]>,
+    /// What supports it.
+    pub evidence: Option<Evidence>,
     /// Measurements and environments that have it; empty: all.
     pub applies_to: Vec<String>,
+    /// Whether it acts on readings alone, which no prediction has.
+    pub is_of_readings: bool,
+}
+
+impl AdoptedEffect {
+    /// Whether a measurement or an environment has it.
+    pub fn acts_in(&self, name: &str) -> bool {
+        self.applies_to.is_empty() || self.applies_to.iter().any(|own| belongs_to(name, own))
+    }
+}
+
+/// The job that supports an adopted effect.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Evidence {
+    /// File of its pass.
+    pub pass: String,
+    /// Its name.
+    pub job: String,
+    /// Probability that the effect is there, as the job stated it.
+    pub probability: Option<f64>,
+    /// Standard deviations of the sizes that it stated: parameter of the effect, value in the parameter's unit.
+    pub sd: Vec<(String, f64)>,
 }
 
 /// A change of a parameter against the model's file.

@@ -86,7 +86,7 @@ fn history_tells_the_error_of_each_pass_and_how_it_fell() {
     - `pass-2.json` adds `heat-load:plate`: RMSE held-out 1.50 K → 0.00 K, for fitting 0.00 K → 0.00 K
       (tuned, against `pass-1.json`).
     - `pass-3.json` adds `heat-load:plate`: RMSE held-out 3.00 K → 1.00 K, for fitting 3.00 K → 1.00 K
-      (as delivered, against `pass-1.json`).
+      (untuned, against `pass-1.json`).
 
     Readings for fitting / held out. Untuned: at nominal parameters, as delivered; what a pass adopts
     stands at its nominal size there, so that tuned errors alone tell whether it helped. Mean deviation

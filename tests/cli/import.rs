@@ -412,3 +412,23 @@ fn a_loggers_files_become_a_table_and_the_next_pass() {
     assert!(code(&wrong) == 2 && text(&wrong.stderr).contains("log.csv:6:21"), "{}", text(&wrong.stderr));
     assert!(!root.path().join("plate/data/b.csv").exists());
 }
+
+#[test]
+fn without_a_map_the_next_step_is_a_map_to_begin_with() {
+    let root = plate();
+    let log = "time [s];TC01 Plate probe [degC];Power supply [W];T wall [degC]\n0;43,0;10;20\n600;43,1;10;20\n1200;43,2;10;20\n";
+    fs::write(root.path().join("log.csv"), log).unwrap();
+    let said = printed(root.path(), &["import", "csv", "log.csv", "--into", "plate"]);
+    assert!(said.contains("Nothing was written: no channel is named like a node or a quantity."), "{said}");
+    assert!(!root.path().join("plate/data/log.csv").exists() && !root.path().join("plate/pass-2.json").exists());
+    let command = "bmv import csv log.csv --into plate --channels channels.csv\n";
+    assert!(said.contains(command) && said.contains("without a channel so far: inputs `Q [W]`"), "{said}");
+    let map = &said[said.find("channel,name,unit,measures").unwrap_or_else(|| panic!("{said}"))..];
+    assert!(map.contains("TC01 Plate probe,TC01 Plate probe,degC,plate\n"), "{said}");
+    // As it is proposed, with the one line mended that could not be guessed.
+    fs::write(root.path().join("channels.csv"), map.replace("Power supply,Power supply,W,", "Power supply,Q,W,"))
+        .unwrap();
+    let said = printed(root.path(), &["import", "csv", "log.csv", "--into", "plate", "--channels", "channels.csv"]);
+    assert!(said.contains("1 sensor, 2 inputs") && said.contains("Made plate/pass-2.json"), "{said}");
+    assert!(!said.contains("channel,name,unit,measures"), "the map is there: {said}");
+}

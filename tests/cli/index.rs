@@ -186,3 +186,21 @@ fn no_requirement_is_called_met_by_a_model_that_fails_its_test() {
         assert!(matrix.contains(verdict) && matrix.contains(&row["key"].as_str().unwrap()[..16]), "{matrix}");
     }
 }
+
+#[test]
+fn the_page_of_a_study_shows_its_last_pass_and_folds_the_earlier_ones() {
+    let root = two();
+    printed(root.path(), &["report", "slab"]);
+    let alone = read(root.path(), "reports/slab/index.html");
+    assert!(!alone.contains("Earlier passes"), "there is one pass");
+    let second = r#"{"format": "bmv-pass/1", "title": "Plate, pass 2", "parent": "pass-1.json",
+        "jobs": {"prior": {"propagate": {"samples": 128}}, "delivered": {"compare": {}}}}"#;
+    fs::write(root.path().join("slab/pass-2.json"), second).unwrap();
+    printed(root.path(), &["report", "slab"]);
+    let page = read(root.path(), "reports/slab/index.html");
+    let folded = page.find("<summary>Earlier passes (1 row)</summary>").unwrap_or_else(|| panic!("{page}"));
+    let before = &page[..folded];
+    let open = before.rfind("<details").expect("folded");
+    let last = page[..open].rfind("pass-2").expect("the last pass stands open before it");
+    assert!(last < folded && page[folded..].contains("pass-1"), "the earlier one is folded");
+}

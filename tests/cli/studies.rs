@@ -101,11 +101,11 @@ fn compare_reads_from_the_verdict_to_the_heat_balance() {
     (! not kept)
 
     Deviations by phase or stretch of time, over all sensors, K.
-    Phase  Readings   Mean   Standard  RMSE  Worst sensor        Its
-                            deviation                      deviation
-    -----  --------  -----  ---------  ----  ------------  ---------
-    P1     for fits  +3.00       0.00  3.00  plate             +3.00
-    P2     held out  +3.00       0.00  3.00  plate             +3.00
+    Phase  Readings   Mean   Standard  RMSE  Worst sensor     At
+                            deviation                      worst
+    -----  --------  -----  ---------  ----  ------------  -----
+    P1     for fits  +3.00       0.00  3.00  plate         +3.00
+    P2     held out  +3.00       0.00  3.00  plate         +3.00
 
     Criteria: Each reading within 3 K of the model. Source: MIL-HDBK-340, 8.7.3: larger deviations need
     an explanation or a change of the model; stabilisation by SMC-S-016 (2014): less than 1 K in 5 h

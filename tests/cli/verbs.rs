@@ -274,3 +274,23 @@ fn a_path_of_the_project_that_is_given_inside_of_a_study_is_found() {
     let output = bmv(&inside, &["verify", "reports/nothing"]);
     assert!(text(&output.stderr).trim_end().ends_with("`reports/nothing` does not exist"), "{}", text(&output.stderr));
 }
+
+/// What a pass adopts adds inputs and quantities to the model, and changes no reading.
+#[test]
+fn diff_says_that_readings_are_others_where_their_file_is_alone() {
+    let root = plate();
+    let second = json!({
+        "format": "bmv-pass/1", "title": "Plate, pass 2", "parent": "pass-1.json",
+        "adopt": {"leak": {"effect": {"heat-load": {"where": "plate"}}, "because": "seen", "applies_to": ["balance"]}},
+        "jobs": {"delivered": {"compare": {}}}
+    });
+    fs::write(root.path().join("plate/pass-2.json"), second.to_string()).unwrap();
+    let diff = |other: &str| text(&bmv(root.path(), &["diff", "plate/pass-1.json", other]).stdout);
+    let adopted = diff("plate/pass-2.json");
+    assert!(adopted.contains("adopt.leak") && !adopted.contains("other readings"), "{adopted}");
+    let copy = plate();
+    fs::rename(copy.path().join("plate"), root.path().join("other")).unwrap();
+    fs::write(root.path().join("other/data/balance.csv"), "phase,Q,wall,plate\nP1,10,20,44\nP2,5,20,32\n").unwrap();
+    let others = diff("other/pass-1.json");
+    assert!(others.contains("measurements.balance") && others.contains("other readings"), "{others}");
+}

@@ -1,6 +1,6 @@
 //! The writer of a next pass: every effect of the catalogue at every kind of place, what is refused, what is written.
 
-use bmv::batch::next_pass::{Asked, NextPass, destination, next_pass, write};
+use bmv::batch::next_pass::{Acting, Asked, NextPass, acts_in, destination, next_pass, twin, write};
 use bmv::diagnosis::Output;
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
@@ -230,7 +230,7 @@ fn the_file_is_readable_and_says_why() {
             "parameters": {"conductance": {"unit": "W/K", "nominal": 0.0474, "prior": {"halfnormal": 0.1}}}
           }},
           "because": "diagnosis `missing` of pass-1.json: ambiguous; probability 0.980, log Bayes factor 41.2; conductance 0.0474 W/K (most probable; standard deviation 0.0031 W/K); RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K; these data cannot tell it from `radiative-path:box:detector`",
-          "evidence": {"pass": "pass-1.json", "job": "missing"}
+          "evidence": {"pass": "pass-1.json", "job": "missing", "probability": 0.98, "sd": {"conductance": 0.0031}}
         }
       },
       "jobs": {
@@ -478,4 +478,85 @@ fn a_next_pass_lies_beside_its_parent_and_replaces_nothing_unasked() {
         std::fs::read_dir(study.path("")).expect("readable").flatten().map(|file| file.file_name()).collect();
     files.sort();
     assert_eq!(files, ["data", "model.json", "pass-1.json", "pass-2.json", "pass-3.json", "pass-4.json"]);
+}
+
+#[test]
+fn what_belongs_to_the_test_alone_acts_in_no_prediction() {
+    let study = study();
+    let with_flight = PASS.replace(r#""jobs": {"#, r#""environments": {"orbit": {"Q": 9}}, "jobs": {"#);
+    study.put("pass-1.json", &with_flight);
+    let pass = study.load();
+    let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
+    let written = |acting: Acting| {
+        let asked = Asked::new("bmv adopt pass-1.json", &[]).acting(acting);
+        let next = next_pass(&pass, "missing", &found, &asked, false, &study.path("pass-2.json"));
+        let next = next.map_err(|wrong| wrong.render(false, 9))?;
+        assert!(next.acts_on_model);
+        study.put("pass-2.json", &next.text);
+        Ok::<_, String>(
+            bmv::job::load(&study.path("pass-2.json")).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 9))),
+        )
+    };
+    let everywhere = written(Acting::Everywhere).expect("adopted");
+    assert!(["balance", "run", "run (part 2)", "orbit"].iter().all(|name| everywhere.adopted[0].acts_in(name)));
+    let evidence = everywhere.adopted[0].evidence.clone().expect("there");
+    assert_eq!((evidence.job.as_str(), evidence.probability), ("missing", Some(0.98)));
+    assert_eq!(evidence.sd, [("conductance".to_owned(), 0.0031)]);
+    let ids = ["conductive-path:box:detector"];
+    assert!(twin(&pass, &ids, None).is_some(), "the same");
+    let of_tests = ["balance".to_owned(), "run".to_owned()];
+    assert!(twin(&pass, &ids, Some(&of_tests)).is_none(), "it acts elsewhere");
+    let test_only = written(Acting::InTests).expect("adopted");
+    assert_eq!(test_only.adopted[0].applies_to, of_tests);
+    // Where nothing is asked for, a pass in which it was said by hand is the same too.
+    assert!(twin(&pass, &ids, None).is_some() && twin(&pass, &ids, Some(&of_tests)).is_some());
+    assert!(test_only.adopted[0].acts_in("run (part 2)") && !test_only.adopted[0].acts_in("orbit"));
+    let switch = test_only.model.inputs.iter().position(|input| input.name.ends_with(".applies")).expect("there");
+    assert_eq!(test_only.environments[0].inputs[switch], 0.0, "flight is without it");
+    let named = written(Acting::In(vec!["balance".into(), "orbit".into()])).expect("adopted");
+    assert_eq!(named.environments[0].inputs[switch], 1.0);
+    let wrong = written(Acting::In(vec!["orbti".into()])).map(|_| ()).expect_err("unknown");
+    assert!(wrong.contains("unknown measurement or environment `orbti`") && wrong.contains("`orbit`"), "{wrong}");
+    let (words, tests) = acts_in(&pass, &Acting::Everywhere, true);
+    assert_eq!(
+        words,
+        "it acts in measurements `balance` and `run` and in environment `orbit`, and in every prediction of later passes"
+    );
+    assert_eq!(tests.as_deref(), Some(r#"["balance", "run"]"#));
+    let (words, tests) = acts_in(&pass, &Acting::InTests, false);
+    assert_eq!(
+        (words.starts_with("they act in measurements `balance` and `run` alone; environment `orbit`"), tests),
+        (true, None),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_probability_of_a_diagnosis_is_none_beyond_0_and_1() {
+    let study = study();
+    let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
+    let next = adopt(&study, &found, &[], false).expect("adopted");
+    study.put("pass-2.json", next.text.replace(r#""probability": 0.98"#, r#""probability": 98"#));
+    let wrong = bmv::job::load(&study.path("pass-2.json")).map(|_| ()).expect_err("refused").render(false, 9);
+    assert!(wrong.contains("a probability of 98") && wrong.contains("a number from 0 to 1"), "{wrong}");
+}
+
+/// Trajectories ask for gradients of all rows: long records are calibrated by one likelihood a draw.
+#[test]
+fn the_calibration_that_is_added_suits_the_length_of_the_record() {
+    let sampler = |rows: usize| {
+        let study = study();
+        let log: String = (0..rows).map(|row| format!("{},6,17.{}\n", 600 * row, row % 7)).collect();
+        study.put("data/run.csv", format!("time [s],Q [W],TC box [degC]\n{log}"));
+        let without = PASS.replace(r#""tuned": {"calibrate": {"draws": 1e3, "parameters": ["G"]}}, "#, "");
+        study.put("pass-1.json", &without);
+        let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
+        let next = adopt(&study, &found, &[], false).expect("adopted");
+        let written: Value = serde_json::from_str(&next.text).expect("JSON");
+        written["jobs"]["tuned"]["calibrate"].clone()
+    };
+    let long = sampler(200);
+    assert_eq!((&long["sampler"], &long["draws"]), (&json!("independence-metropolis"), &json!(8000)), "{long}");
+    let short = sampler(199);
+    assert_eq!((&short["sampler"], &short["draws"]), (&Value::Null, &Value::Null), "{short}");
 }

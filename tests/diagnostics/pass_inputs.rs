@@ -405,3 +405,33 @@ fn a_unit_in_which_the_values_would_lie_in_the_range_is_proposed_where_it_is_wri
     let said = study.said("pass-1.json");
     assert!(said.contains("most likely `degC`, not `K`") && said.contains("study/pass-1.json:7:"), "{said}");
 }
+
+#[test]
+fn that_an_input_leaves_its_range_is_said_once_a_pass_with_the_other_places() {
+    let study = with_shroud();
+    study.edit("data/balance.csv", "P2,0,", "P2,150,");
+    let once = study.said("pass-1.json");
+    let measurement = std::fs::read_to_string(study.path("pass-1.json")).expect("readable");
+    let start = measurement.find(r#""balance": "#).expect("there");
+    let other = measurement[start..].replacen("balance", "again", 1);
+    let end = whole_entry(&other);
+    study.put("pass-1.json", format!("{}{}, {}", &measurement[..start], &other[..end], &measurement[start..]));
+    let twice = study.said("pass-1.json");
+    assert_eq!(once.matches("warning[input-range]").count(), 1, "{once}");
+    assert_eq!(twice.matches("warning[input-range]").count(), 1, "{twice}");
+    assert!(twice.contains("and here"), "{twice}");
+}
+
+/// Length of the first entry of an object's text: to the end of its value.
+fn whole_entry(text: &str) -> usize {
+    let mut depth = 0;
+    for (at, character) in text.char_indices() {
+        match character {
+            '{' => depth += 1,
+            '}' if depth == 1 => return at + 1,
+            '}' => depth -= 1,
+            _ => {}
+        }
+    }
+    text.len()
+}

@@ -123,3 +123,22 @@ fn a_correlation_that_cannot_be_made_is_refused_at_its_place() {
         assert!(said.contains("pass-1.json:"), "{said}");
     }
 }
+
+/// A phase or a start that is proposed is held against the ranges as one that is measured.
+#[test]
+fn a_proposed_phase_outside_the_range_of_an_input_is_said_when_it_is_proposed() {
+    let design = |inputs: &str| DESIGN.replace(r#""outer""#, &format!(r#""inputs": {{"T_s": {inputs}}}, "outer""#));
+    let planned = |design: &str, start: &str| {
+        let study = study(&format!(r#"{design}, "plan": {{"test-plan": {{"start": {{"T_s": {start}}}}}}}"#));
+        study.edit("model.json", r#""nominal": 90"#, r#""nominal": 90, "range": [70, 110]"#);
+        study.said("pass-1.json")
+    };
+    let count = |said: &str| said.matches("warning[input-range]: `T_s` is").count();
+    let within = planned(&design("100"), "80");
+    let before = count(&within);
+    let phase = planned(&design("120"), "80");
+    assert_eq!(count(&phase), before + 1, "{phase}");
+    assert!(phase.contains("`T_s` is 120 K here: outside its range, 70 K to 110 K"), "{phase}");
+    let start = planned(&design("100"), "60");
+    assert!(count(&start) == before + 1 && start.contains("`T_s` is 60 K here"), "{start}");
+}

@@ -1,10 +1,10 @@
 //! The section on calibration.
 
-use bmv::job::calibrate::{Kind, Output};
+use bmv::job::calibrate::{Kind, Output, Remedy};
 use serde_json::json;
 
 use super::rendering::{assert_well_formed, rendered, section};
-use super::samples::{Sample, entry, transient};
+use super::samples::{Sample, edit, entry, transient};
 
 fn output(converged: bool) -> Output {
     let summary = |unit: &str, mean: f64, rhat: f64| {
@@ -56,7 +56,19 @@ fn with(output: Output) -> Sample {
 fn the_verdict_stands_before_the_numbers() {
     let report = rendered(&calibrated());
     let summary = report.markdown.split("\n## ").nth(1).expect("a summary");
-    assert!(summary.contains("did not converge: tuned numbers are not to be relied upon"), "{summary}");
+    let place = |text: &str| summary.find(text).unwrap_or_else(|| panic!("{text}: {summary}"));
+    assert!(
+        summary.contains("> **Warning.** **The posterior is not to be trusted**: calibration `tuned` did not converge"),
+        "{summary}"
+    );
+    // Before all else, with what mends it as the next step: not the next step of a pass that is in order.
+    assert!(place("The posterior is not to be trusted") < place("under `jobs.tuned.calibrate`; then `bmv run"));
+    assert!(place("under `jobs.tuned.calibrate`") < place("| State of the model"));
+    assert!(!summary.contains("bmv verify"), "{summary}");
+    assert!(
+        !summary.contains("Measured: G") && !summary.contains("presses against"),
+        "of such draws nothing is said: {summary}"
+    );
     let section = section(&report.markdown, "calibration");
     let place = |text: &str| section.find(text).unwrap_or_else(|| panic!("{text}: {section}"));
     assert!(place("did not converge") < place("R-hat of G is 1.300"));
@@ -74,4 +86,71 @@ fn a_converged_calibration_says_so() {
     let report = rendered(&with(output(true)));
     assert!(report.markdown.contains("The sampler converged: 2 chains of 20 draws agree"));
     assert!(!report.markdown.contains("did not converge"));
+}
+
+#[test]
+fn what_mends_a_calibration_follows_from_its_sampler_and_the_shape_of_its_weights() {
+    let settings = |sampler: &str, pareto_k: Option<f64>| {
+        let mut own = output(false);
+        own.sampler = sampler.to_owned();
+        own.chains = [4, 1000];
+        own.log_evidence.pareto_k = pareto_k;
+        own.parameters
+            .values_mut()
+            .for_each(|summary| (summary.ess_bulk, summary.ess_tail) = (Some(150.0), Some(200.0)));
+        match own.remedy().expect("a remedy") {
+            Remedy::Settings(settings) => settings,
+            Remedy::Upstream(source) => panic!("{source}"),
+        }
+    };
+    let independence = r#""sampler": "independence-metropolis", "draws": 8000"#;
+    assert_eq!(settings("nuts", Some(0.3)), independence, "nearly normal");
+    assert_eq!(settings("adaptive-metropolis", Some(0.3)), independence);
+    assert_eq!(settings("nuts", Some(0.9)), r#""acceptance": 0.95, "warmup": 1000"#);
+    assert_eq!(settings("nuts", None), r#""acceptance": 0.95, "warmup": 1000"#);
+    // 150 effective draws of 1000: 400 and half as many again are asked for.
+    assert_eq!(settings("independence-metropolis", Some(0.3)), r#""draws": 4000"#);
+    assert_eq!(settings("independence-metropolis", Some(0.9)), r#""sampler": "smc""#);
+    assert_eq!(settings("smc", None), r#""draws": 4000"#);
+    assert_eq!(output(true).remedy(), None, "nothing to mend");
+    assert_eq!(Remedy::Settings("X".into()).in_words("fit"), "write X under jobs.fit.calibrate");
+}
+
+/// The same everywhere: without the error that must not be believed, and marked.
+#[test]
+fn an_evidence_that_is_not_to_be_trusted_is_marked() {
+    let mut own = output(true);
+    own.log_evidence = serde_json::from_value(
+        json!({"value": 845.23, "sd": 0.4, "method": "importance sampling", "pareto_k": 1.14, "laplace": 840.0}),
+    )
+    .expect("an evidence");
+    let mut sample = with(own);
+    let report = rendered(&sample);
+    let section = section(&report.markdown, "calibration");
+    assert!(
+        section.contains(
+            "Log evidence by importance sampling: 845.2, not to be trusted (Pareto k 1.14, wanted: 0.7 or less)"
+        ),
+        "{section}"
+    );
+    let lines = bmv::report::headline::headlines(sample.results.last().expect("a job")).join("\n");
+    assert!(lines.contains("845.2, not to be trusted") && !lines.contains('\u{B1}'), "{lines}");
+    assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |own| own.log_evidence.pareto_k = Some(0.2)));
+    let lines = bmv::report::headline::headlines(sample.results.last().expect("a job")).join("\n");
+    assert!(lines.contains("845.23 \u{B1} 0.40"), "{lines}");
+}
+
+/// Temperatures of a report are in degrees Celsius, those at which a transient starts too.
+#[test]
+fn start_temperatures_are_in_degrees_celsius() {
+    let mut own = output(true);
+    let name = "run.start.board".to_owned();
+    let mut summary = own.parameters["G"].clone();
+    summary.unit = "K".into();
+    (summary.mean, summary.sd, summary.q50) = (295.65, 0.07, 295.65);
+    own.order.push(name.clone());
+    own.parameters.insert(name, summary);
+    let report = rendered(&with(own));
+    let row = report.markdown.lines().find(|line| line.starts_with("| `run.start.board`")).expect("a row").to_owned();
+    assert!(row.contains("| 22.500 |") && row.contains("\u{B0}C") && !row.contains("295"), "{row}");
 }

@@ -263,3 +263,33 @@ fn one_held_out_block_has_no_standard_error_and_no_p_is_0() {
     has(&markdown, &["together p &lt; 1e-6."]);
     assert!(!markdown.contains("p = 0.") || !markdown.contains("p = 0 "), "{markdown}");
 }
+
+/// Rivals that predict temperatures far from all that were measured: the phase may break the hardware, or the model.
+#[test]
+fn a_phase_far_from_what_was_measured_is_said_to_be_extrapolated() {
+    let told = |predicted: f64| {
+        let mut sample = diagnosed("ambiguous");
+        let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            let experiment = output.discriminating_experiment.as_mut().expect("an experiment");
+            experiment.predictions = [("board".to_owned(), vec![predicted, predicted + 1.0])].into();
+        });
+        assert!(is_one, "a diagnosis");
+        section(&rendered(&sample).markdown, "diagnosis").replace('\u{A0}', " ")
+    };
+    assert!(!told(300.15).contains("Extrapolated"), "{}", told(300.15));
+    for far in [500.0, 120.0] {
+        has(&told(far), &["Extrapolated: measured were ", "see first whether the hardware bears what is predicted."]);
+    }
+}
+
+/// A group of one has no rival, and a column that says nothing is left out.
+#[test]
+fn groups_stand_in_the_table_where_they_tell_rivals() {
+    let (_, of_rivals) = told("ambiguous");
+    has(
+        &of_rivals,
+        &["| Rivals |", "| group 1 |", "Effects of one group are rivals: these data cannot tell them apart."],
+    );
+    let (_, of_one) = told("identified");
+    assert!(!of_one.contains("| Rivals |") && !of_one.contains("group 1"), "{of_one}");
+}

@@ -109,3 +109,29 @@ fn one_pass_is_no_history() {
     report.history = Some(History { passes });
     assert!(!render(&report).expect("renders").markdown.contains("<a id=\"history\">"));
 }
+
+#[test]
+fn an_evidence_that_is_not_to_be_trusted_and_chains_that_did_not_converge_are_marked() {
+    let sample = steady();
+    let mut report = sample.report();
+    let mut doubtful = history();
+    doubtful.passes[2].log_evidence_is_trusted = Some(false);
+    doubtful.passes[3].converged = Some(false);
+    doubtful.passes[3].remedy = Some("write \"draws\": 4000 under jobs.tuned.calibrate".into());
+    report.history = Some(doubtful);
+    let markdown = render(&report).expect("renders").markdown.replace('\u{A0}', " ");
+    let section = section(&markdown, "history");
+    let row =
+        |pass: &str| section.lines().find(|line| line.starts_with(&format!("| `{pass}`"))).expect("a row").to_owned();
+    assert!(
+        !row("pass-2.json").contains("31.24**") && row("pass-2.json").contains("31.24 |"),
+        "{}",
+        row("pass-2.json")
+    );
+    assert!(row("pass-3.json").contains("31.24**") && row("pass-4.json").contains("31.24**"), "{section}");
+    assert!(
+        section.contains("The evidence of pass-3.json is marked: its importance weights have a Pareto k above 0.7"),
+        "{section}"
+    );
+    assert!(section.contains("What mends it: write \"draws\": 4000 under jobs.tuned.calibrate."), "{section}");
+}

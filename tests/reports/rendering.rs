@@ -298,8 +298,13 @@ fn adopted_effects_stand_with_place_prior_and_reason() {
         inputs: vec![],
         parameters: 0..1,
         because: "the <b>cable</b> was seen".into(),
-        evidence: Some(["pass-1.json".into(), "missing".into()]),
+        evidence: Some(bmv::study::Evidence {
+            pass: "pass-1.json".into(),
+            job: "missing".into(),
+            ..bmv::study::Evidence::default()
+        }),
         applies_to: vec!["balance test".into()],
+        is_of_readings: false,
     }];
     let rendered = render(&report).expect("renders");
     let section = rendered.markdown.split("<a id=\"adopted\">").nth(1).expect("the section");
@@ -309,4 +314,115 @@ fn adopted_effects_stand_with_place_prior_and_reason() {
     assert!(rendered.html.contains("job missing of pass-1.json"));
     assert!(!rendered.html.contains("<b>cable</b>"), "texts of a study are escaped");
     assert!(!render(&sample.report()).expect("renders").markdown.contains("<a id=\"adopted\">"), "none without");
+}
+
+/// An adopted effect at the elements of the steady sample.
+fn adopted(name: &str, place: &[&str]) -> bmv::study::AdoptedEffect {
+    bmv::study::AdoptedEffect {
+        name: name.into(),
+        id: format!("conductive-path:{}", place.join(":")),
+        effect: "conductive-path".into(),
+        title: "Conductive path between two nodes".into(),
+        equation: String::new(),
+        source: String::new(),
+        file: None,
+        place: place.iter().map(|&name| name.into()).collect(),
+        inputs: vec![],
+        parameters: 0..1,
+        because: "the cable was seen".into(),
+        evidence: Some(bmv::study::Evidence {
+            pass: "pass-1.json".into(),
+            job: "missing".into(),
+            probability: Some(0.51),
+            sd: vec![("conductance".into(), 0.01)],
+        }),
+        applies_to: vec![],
+        is_of_readings: false,
+    }
+}
+
+#[test]
+fn the_network_marks_what_adopted_effects_add_and_what_they_change() {
+    let sample = steady();
+    let drawing = |adopted: Vec<bmv::study::AdoptedEffect>| {
+        let mut report = sample.report();
+        report.adopted = adopted;
+        let figures = render(&report).expect("renders").figures;
+        figures.into_iter().find(|figure| figure.0 == "network").expect("a network").1
+    };
+    let band = "#FAD670";
+    let plain = drawing(vec![]);
+    assert!(!plain.contains(band) && !plain.contains("adopted"), "nothing is adopted");
+    let path = sample.model.elements[0].name.clone();
+    let added = drawing(vec![adopted(&path, &["board", "baseplate"])]);
+    assert!(added.contains(band) && added.contains(&format!("adopted: {path}")), "{added:.3000}");
+    // What is changed keeps its own name, and the key says what the band means.
+    let changed = drawing(vec![adopted("less of it", &[&path])]);
+    assert!(changed.contains(band) && !changed.contains("adopted: "), "{changed:.3000}");
+    assert!(changed.contains("adopted") || changed.contains("changed"), "{changed:.3000}");
+}
+
+#[test]
+fn the_first_screen_says_which_adopted_effects_act_in_predictions_and_how_sure_they_are() {
+    let mut sample = steady();
+    let summary = |sample: &super::samples::Sample, applies_to: &[&str], is_of_readings: bool| {
+        let mut report = sample.report();
+        let mut effect = adopted("harness", &["board", "baseplate"]);
+        effect.applies_to = applies_to.iter().map(|&name| name.into()).collect();
+        effect.is_of_readings = is_of_readings;
+        report.adopted = vec![effect];
+        let markdown = render(&report).expect("renders").markdown.replace('\u{A0}', " ");
+        markdown.split("\n## 2. ").next().expect("a summary").to_owned()
+    };
+    assert!(!summary(&sample, &[], false).contains("predictions too"), "there is no environment to predict in");
+    sample.environments = vec![bmv::study::requirement::Environment { name: "hot flight".into(), inputs: vec![] }];
+    let everywhere = summary(&sample, &[], false);
+    let said = "> **Warning.** An adopted effect acts in predictions too (`hot flight`): `harness`, a choice at 51.0 %";
+    assert!(everywhere.contains(said), "{everywhere}");
+    assert!(summary(&sample, &["hot flight"], false).contains(said));
+    let of_test = summary(&sample, &["balance test"], false);
+    assert!(of_test.contains("> **Note.** Of the test alone, in no prediction: `harness`."), "{of_test}");
+    let of_readings = summary(&sample, &[], true);
+    assert!(!of_readings.contains("predictions too") && !of_readings.contains("Of the test alone"), "{of_readings}");
+}
+
+/// A transient with a gap goes on as another measurement of the same file.
+#[test]
+fn a_history_shows_all_parts_of_a_record_in_a_unit_that_keeps_its_numbers_short() {
+    use bmv::job::compare::Kind;
+    let rendered_in = |scale: f64, in_parts: bool| {
+        let mut sample = transient();
+        if in_parts {
+            let mut part = sample.measurements[0].clone();
+            part.name = "step test (part 2)".into();
+            sample.measurements.push(part);
+        }
+        let is_one = super::samples::edit::<Kind>(&mut sample.results[0], |output| {
+            for row in &mut output.rows {
+                if in_parts && row.held_out {
+                    row.measurement = "step test (part 2)".into();
+                }
+                row.time_s = row.time_s.map(|time| scale * time);
+            }
+        });
+        assert!(is_one, "a comparison");
+        rendered(&sample)
+    };
+    let history = |report: &bmv::report::RenderedReport| {
+        let is_history = |name: &str| name.starts_with("first-screen") && name.contains("history");
+        report.figures.iter().find(|figure| is_history(&figure.0)).expect("a history").1.clone()
+    };
+    for (scale, unit) in [(1.0, "s"), (10.0, "min"), (100.0, "h"), (1000.0, "d")] {
+        let drawn = history(&rendered_in(scale, false));
+        assert!(drawn.contains(&format!("time [{unit}]")), "{unit}");
+    }
+    let parts = rendered_in(1.0, true);
+    let summary = parts.markdown.split("\n## 2. ").next().expect("a summary");
+    assert!(
+        summary.contains("of `step test`, all 2 parts between its gaps") && summary.contains("held out "),
+        "{summary}"
+    );
+    assert!(history(&parts).contains("held out"), "the rows held out are marked");
+    let whole = rendered_in(1.0, false).markdown;
+    assert!(!whole.contains("parts between its gaps"), "there is no gap");
 }

@@ -483,7 +483,7 @@ fn sensor(name: &str, quantity: usize, sigma: f64) -> Sensor {
 
 /// A job with its output; its key is two digits repeated.
 pub fn entry<K: JobKind>(name: &str, digits: &str, output: K::Output) -> JobEntry {
-    JobEntry { name: name.into(), key: digits.repeat(32), output: kind::output::<K>(output) }
+    JobEntry { name: name.into(), key: digits.repeat(32), output: kind::output::<K>(output), has_adopted: false }
 }
 
 /// Changes the output of a job, if that is of this kind; whether it is.

@@ -16,6 +16,7 @@ use crate::report::archive::{ArchivedPass, ArchivedStudy, RenderedPage, index_pa
 use crate::report::history::{PassErrors, Split};
 use crate::report::number::fixed;
 use crate::report::terminal::escaped;
+use crate::report::view::untuned;
 use crate::runner::Outcome;
 use crate::runner::manifest::{FILE_NAME as MANIFEST, FileRecord};
 
@@ -133,7 +134,8 @@ impl Round {
 fn stated(errors: &PassErrors) -> String {
     let is_held_out = errors.readings.held_out > 0;
     let of = |split: &Split| if is_held_out { split.held_out } else { split.train };
-    let states = [("as delivered", &errors.rmse_k.delivered), ("tuned", &errors.rmse_k.tuned)];
+    let untuned = untuned(!errors.adopted.is_empty());
+    let states = [(untuned, &errors.rmse_k.delivered), ("tuned", &errors.rmse_k.tuned)];
     let words: Vec<String> =
         (states.into_iter()).filter_map(|(name, split)| Some(format!("{} K {name}", fixed(of(split)?, 2)))).collect();
     let on = if is_held_out { "on readings held out" } else { "on the readings of the fit" };

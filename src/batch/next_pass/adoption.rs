@@ -36,7 +36,8 @@ pub fn adopt_into<'f>(
     let next = next_pass(pass, job, diagnosis, asked, forced, &path)?;
     if out.is_none() {
         let ids: Vec<&str> = next.adopted.iter().map(|(_, finding)| finding.id.as_str()).collect();
-        if let Some(twin) = twin(pass, &ids) {
+        let applies_to = asked.acting.names(pass, asked)?;
+        if let Some(twin) = twin(pass, &ids, applies_to.as_deref()) {
             return Ok(Adoption::There(twin));
         }
     }

@@ -9,6 +9,7 @@ use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, percen
 use crate::expression::Unit;
 use crate::thermal::Model;
 
+use super::acting::Acting;
 use super::entry::probability_text;
 
 /// Ids that a message lists.
@@ -21,6 +22,8 @@ pub struct Asked {
     /// The command's own words, then each effect.
     command: Span,
     effects: Vec<(String, Span)>,
+    /// Where the effects act.
+    pub(super) acting: Acting,
 }
 
 impl Asked {
@@ -33,7 +36,15 @@ impl Asked {
             places.push((effect.clone(), Span::new(text.len(), text.len() + effect.len())));
             text.push_str(effect);
         }
-        Self { source: Source::new("command line", text), command: Span::new(0, command.len()), effects: places }
+        let source = Source::new("command line", text);
+        Self { source, command: Span::new(0, command.len()), effects: places, acting: Acting::default() }
+    }
+
+    /// The same, with where the effects act.
+    #[must_use]
+    pub fn acting(mut self, acting: Acting) -> Self {
+        self.acting = acting;
+        self
     }
 
     /// The place of the command itself.

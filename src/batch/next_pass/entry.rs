@@ -388,6 +388,21 @@ pub fn because(finding: &EffectResult, fitted: &[Fitted], diagnosis: &Output, jo
     text
 }
 
+/// The job that supports an effect, with the probability and the standard deviations of sizes that it states.
+pub fn evidence(finding: &EffectResult, fitted: &[Fitted], job: &str, pass: &str) -> Item {
+    let mut fields = vec![("pass".to_owned(), Item::text(pass)), ("job".to_owned(), Item::text(job))];
+    // Of what is nearly certain the digits that tell by how much it is not.
+    let doubt = 1.0 - finding.probability;
+    let probability = if doubt < 0.01 { 1.0 - to_digits(doubt, 2) } else { to_digits(finding.probability, 3) };
+    fields.push(("probability".to_owned(), Item::number(probability)));
+    let with_error = fitted.iter().filter(|fitted| fitted.sd > 0.0);
+    let sd: Fields = with_error.map(|fitted| (fitted.name.clone(), Item::number(to_digits(fitted.sd, 2)))).collect();
+    if !sd.is_empty() {
+        fields.push(("sd".to_owned(), Item::Object(sd)));
+    }
+    Item::Object(fields)
+}
+
 /// Three decimals; what is that near 1 says by how much it is not.
 pub fn probability_text(value: f64) -> String {
     if value > 0.9995 { "above 0.999".to_owned() } else { format!("{value:.3}") }
@@ -400,8 +415,11 @@ fn amplitude_text(name: &str, amplitude: &Amount) -> String {
 }
 
 fn significant(value: f64, digits: usize) -> String {
-    let short: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
-    crate::document::canonical::float(short).unwrap_or_default()
+    crate::document::canonical::float(to_digits(value, digits)).unwrap_or_default()
+}
+
+fn to_digits(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
 /// `; RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K`, as far as it is known.

@@ -50,8 +50,9 @@ pub fn destination(pass: &Pass, out: Option<&Path>, place: &Place) -> Result<Pat
     Ok(out.to_owned())
 }
 
-/// The pass of the same folder that is already what would be written: a child of this one with the same effects.
-pub fn twin(pass: &Pass, ids: &[&str]) -> Option<PathBuf> {
+/// The pass of the same folder that is already what would be written: a child of this one with the same effects, which act
+/// where these would if that is asked for.
+pub fn twin(pass: &Pass, ids: &[&str], applies_to: Option<&[String]>) -> Option<PathBuf> {
     let mut wanted: Vec<&str> = ids.to_vec();
     wanted.sort_unstable();
     let is_twin = |other: &Pass| {
@@ -62,7 +63,9 @@ pub fn twin(pass: &Pass, ids: &[&str]) -> Option<PathBuf> {
         let priors = priors.map(|index| format!("{PRIOR_OF}:{}", pass.model.parameters[index].name));
         let mut added: Vec<String> = effects.chain(priors).collect();
         added.sort_unstable();
-        other.parents.first() == Some(&pass.file) && added == wanted
+        let own = other.adopted.iter().filter(|adopted| !before(&adopted.id) && !adopted.is_of_readings);
+        let acts_alike = own.map(|adopted| &adopted.applies_to).all(|names| applies_to.is_none_or(|own| own == names));
+        other.parents.first() == Some(&pass.file) && added == wanted && acts_alike
     };
     passes(&pass.folder).into_iter().find(|path| load(path).is_ok_and(|other| is_twin(&other)))
 }

@@ -4,6 +4,7 @@
 //! inherited. Everything else follows from the parent. Adopting goes back to the original priors; the next pass is
 //! calibrated anew.
 
+mod acting;
 mod adoption;
 mod choose;
 mod entry;
@@ -12,6 +13,7 @@ pub mod name;
 mod offer;
 pub mod text;
 
+pub use acting::{Acting, acts_in};
 pub use adoption::{Adoption, adopt_into};
 pub use choose::Asked;
 pub use entry::probability_text;
@@ -27,12 +29,15 @@ use crate::document::written::read_document;
 use crate::document::{Diagnostic, Diagnostics, code, suggest};
 use crate::effect::Catalogue;
 
+use crate::job::calibrate::{MANY_DRAWS, Sampler};
+use crate::measurement::{Measurement, Rows};
 use crate::study::discover::number;
 use crate::study::folder::Folder;
 use crate::study::inherit::folder_diagnostic_at;
+use crate::study::job::CALIBRATION;
 use crate::study::pass::FORMAT;
 use crate::study::problem::dated;
-use crate::study::resolve::effects;
+use crate::study::resolve::{effects, of_sensors};
 use crate::study::resolved::Pass;
 use choose::Chosen;
 use text::Item;
@@ -52,6 +57,8 @@ pub struct NextPass<'f> {
     pub warnings: Diagnostics,
     /// Effects that the study gets with it, since the diagnosis proposes them.
     pub files: Vec<&'f EffectFile>,
+    /// Whether an effect acts on the model, so that predictions have it where its entry does not say otherwise.
+    pub acts_on_model: bool,
 }
 
 /// The pass that adopts what was asked for, or what the diagnosis selected. `job` is the diagnosis's name in the pass;
@@ -68,6 +75,7 @@ pub fn next_pass<'f>(
     file: &Path,
 ) -> Result<NextPass<'f>, Diagnostics> {
     let Chosen { effects: chosen, warnings } = choose::choose(diagnosis, asked, job, forced, &pass.model)?;
+    let applies_to = asked.acting.names(pass, asked)?;
     let mut catalogue = effects(Some(&pass.folder))?;
     let mut diagnostics = Diagnostics::new();
     let proposed = chosen.iter().filter_map(|finding| finding.file.as_ref());
@@ -86,7 +94,7 @@ pub fn next_pass<'f>(
     let Some(tree) = tree(pass, asked, &mut diagnostics) else { return Err(diagnostics) };
     let mut adopted: Vec<Entered<'f>> = Vec::new();
     for finding in chosen {
-        match adopt(pass, job, diagnosis, finding, &catalogue, &adopted) {
+        match adopt(pass, job, diagnosis, finding, (&catalogue, applies_to.as_deref()), &adopted) {
             Some(adoption) => adopted.push(adoption),
             None => {
                 let message = format!("`{}` does not fit this model with these effects", finding.id);
@@ -123,8 +131,9 @@ pub fn next_pass<'f>(
     }
     sections.push(("jobs".to_owned(), Item::Object(jobs)));
     let document = Item::Object(sections);
+    let acts_on_model = adopted.iter().any(|one| one.acts_on_model);
     let adopted = adopted.into_iter().map(|one| (one.name, one.finding)).collect();
-    Ok(NextPass { text: document.document(), adopted, extended, added, warnings, files })
+    Ok(NextPass { text: document.document(), adopted, extended, added, warnings, files, acts_on_model })
 }
 
 /// Whether a study has a proposed effect already.
@@ -140,6 +149,7 @@ struct Entered<'f> {
     /// Of its entry: the same, or the parameter that has the prior.
     key: String,
     is_prior: bool,
+    acts_on_model: bool,
     finding: &'f EffectResult,
     item: Item,
     /// Names of its parameters that are not fixed.
@@ -164,7 +174,7 @@ fn adopt<'f>(
     job: &str,
     diagnosis: &Output,
     finding: &'f EffectResult,
-    catalogue: &Catalogue,
+    (catalogue, applies_to): (&Catalogue, Option<&[String]>),
     before: &[Entered<'f>],
 ) -> Option<Entered<'f>> {
     let (model, _) = dated(pass, pass.measurements.clone());
@@ -178,7 +188,9 @@ fn adopt<'f>(
         );
         item.push(("because".to_owned(), Item::text(&because)));
         let (name, key) = (format!("wider prior of {key}"), key.clone());
-        return Some(Entered { name, key, is_prior: true, finding, item: Item::Object(item), parameters: Vec::new() });
+        let item = Item::Object(item);
+        let parameters = Vec::new();
+        return Some(Entered { name, key, is_prior: true, acts_on_model: false, finding, item, parameters });
     }
     let effect = catalogue.get(&finding.effect)?;
     let bound = entry::bound(effect, finding, model)?;
@@ -194,16 +206,19 @@ fn adopt<'f>(
             || model.inputs.iter().any(|input| below(&input.name))
     };
     let name = name::name(&finding.effect, &finding.place, &finding.where_kind, finding.input.as_deref(), &is_used);
-    let evidence = vec![("pass".to_owned(), Item::text(&pass.file)), ("job".to_owned(), Item::text(job))];
     let (usage, fitted) = entry::usage(effect, finding, &bound, model);
+    let acts_on_model = !of_sensors(effect);
     let mut fields = vec![("effect".to_owned(), usage)];
     fields.extend(entry::starts(finding, pass).map(|starts| ("starts".to_owned(), starts)));
     fields.push(("because".to_owned(), Item::text(&entry::because(finding, &fitted, diagnosis, job, &pass.file))));
-    fields.push(("evidence".to_owned(), Item::Object(evidence)));
+    fields.push(("evidence".to_owned(), entry::evidence(finding, &fitted, job, &pass.file)));
+    if let Some(names) = applies_to.filter(|_| acts_on_model) {
+        fields.push(("applies_to".to_owned(), Item::List(names.iter().map(|name| Item::text(name)).collect())));
+    }
     let item = Item::Object(fields);
     let parameters = effect.parameters(model, &bound).into_iter().filter(|parameter| !parameter.prior.is_fixed());
     let parameters = parameters.map(|parameter| format!("{name}.{}", parameter.name)).collect();
-    Some(Entered { key: name.clone(), name, is_prior: false, finding, item, parameters })
+    Some(Entered { key: name.clone(), name, is_prior: false, acts_on_model, finding, item, parameters })
 }
 
 /// What is added to a title.
@@ -270,15 +285,23 @@ fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> 
     jobs
 }
 
+/// Rows of a transient from which a calibration that is added takes one likelihood a draw: trajectories take several gradients
+/// of all rows for each, and the posterior of so many rows is nearly normal.
+const LONG_RECORD: usize = 200;
+
 /// Adds the jobs by which a pass's error is stated, as far as the parent has none of the kind: a calibration and a comparison,
 /// on the data of the diagnosis.
 fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> Vec<(String, &'static str)> {
     let diagnosis_job = pass.jobs.iter().find(|job| job.name == diagnosis);
     let data = diagnosis_job.and_then(|job| job.spec.inference()).map(|inference| inference.data);
-    let names = data.into_iter().flatten().filter_map(|&position| pass.measurements.get(position));
-    let data = Item::one("data", Item::List(names.map(|measurement| Item::text(&measurement.name)).collect()));
+    let data: Vec<&Measurement> =
+        data.into_iter().flatten().filter_map(|&position| pass.measurements.get(position)).collect();
+    let names = data.iter().map(|measurement| Item::text(&measurement.name)).collect();
+    let settings = vec![("data".to_owned(), Item::List(names))];
+    let rows = data.iter().filter(|own| matches!(own.rows, Rows::Transient { .. })).map(|own| own.len());
+    let is_long = rows.sum::<usize>() >= LONG_RECORD;
     let mut added = Vec::new();
-    for (kind, wanted) in [("calibrate", "tuned"), ("compare", "delivered")] {
+    for (kind, wanted) in [(CALIBRATION, "tuned"), ("compare", "delivered")] {
         if pass.jobs.iter().any(|job| job.spec.kind() == kind) {
             continue;
         }
@@ -286,7 +309,12 @@ fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> V
         let numbered = (2..).map(|number| format!("{wanted} {number}"));
         let name = std::iter::once(wanted.to_owned()).chain(numbered).find(|name| !is_taken(name));
         let name = name.unwrap_or_else(|| wanted.to_owned());
-        jobs.push((name.clone(), Item::one(kind, data.clone())));
+        let mut settings = settings.clone();
+        if kind == CALIBRATION && is_long {
+            settings.push(("sampler".to_owned(), Item::text(Sampler::IndependenceMetropolis.name())));
+            settings.push(("draws".to_owned(), Item::number(MANY_DRAWS as f64)));
+        }
+        jobs.push((name.clone(), Item::one(kind, Item::Object(settings))));
         added.push((name, kind));
     }
     added

@@ -3,15 +3,17 @@
 //!
 //! `dialect`: how a file is written. `instant`: times. `channels`: what the user says of the channels. `record`: the
 //! files as one record. `between_rows`: how an input goes between two rows. `proposal`: that record as a measurement of a
-//! study. Text in, text out: no file is touched.
+//! study; `map_template`: what the user may say of the channels. Text in, text out: no file is touched.
 
 pub mod between_rows;
 mod channels;
 pub mod dialect;
 pub mod instant;
+mod map_template;
 pub mod proposal;
 mod record;
 
+pub use map_template::{MapTemplate, map_template};
 pub use proposal::{Known, Proposal, Said, propose};
 pub use record::{Channel, Record};
 

@@ -24,6 +24,28 @@ pub struct Known {
     pub measured: Vec<String>,
     /// Names of inputs.
     pub inputs: Vec<String>,
+    /// Their units, in the same order; none where they are not known.
+    pub units: Vec<String>,
+    /// Boundary nodes whose temperature is an input: name of the node, of the input.
+    pub boundaries: Vec<(String, String)>,
+}
+
+impl Known {
+    /// The unit of an input.
+    pub(super) fn unit_of(&self, input: &str) -> Option<&str> {
+        let at = self.inputs.iter().position(|name| name == input)?;
+        self.units.get(at).map(String::as_str)
+    }
+
+    /// The input that a channel feeds: one named like it, else the temperature of a boundary node that is named like it, unless
+    /// the user says what the channel measures.
+    pub(super) fn input_of(&self, channel: &Channel) -> Option<&String> {
+        meant(&self.inputs, channel).or_else(|| {
+            let own = self.boundaries.iter().filter(|_| channel.measures.is_none());
+            let of_node = |node: &String| *node == channel.name || bare(node) == bare(&channel.name);
+            own.filter(|(node, _)| of_node(node)).map(|(_, input)| input).next()
+        })
+    }
 }
 
 /// What the user says of how inputs go between rows.
@@ -74,15 +96,17 @@ pub struct Proposal {
     pub inputs: Vec<String>,
     /// What else is to be known, a line each.
     pub notes: Vec<String>,
+    /// Whether a channel means nothing that the model has.
+    pub has_unknown: bool,
 }
 
 /// Letters and digits of a name in small letters: `TC_Box 1` and `tc box-1` are one.
-fn bare(name: &str) -> String {
+pub(super) fn bare(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 /// The name among some that a channel means.
-fn meant<'k>(names: &'k [String], channel: &Channel) -> Option<&'k String> {
+pub(super) fn meant<'k>(names: &'k [String], channel: &Channel) -> Option<&'k String> {
     let asked = channel.measures.as_ref().unwrap_or(&channel.name);
     names.iter().find(|name| *name == asked).or_else(|| names.iter().find(|name| bare(name) == bare(asked)))
 }
@@ -98,10 +122,24 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
     let (mut columns, mut inputs, mut unknown): (Vec<(String, &Channel)>, Vec<String>, Vec<&Channel>) =
         Default::default();
     let (mut measuring, mut of_inputs, mut rules) = (Vec::new(), Vec::new(), Vec::new());
+    // A channel named like the input itself goes before one named like its node.
+    let named = |input: &str| {
+        record
+            .channels
+            .iter()
+            .any(|own| own.left_out.is_none() && meant(&known.inputs, own).is_some_and(|own| own == input))
+    };
+    let is_fed_by = |input: &&String, channel: &Channel| meant(&known.inputs, channel).is_some() || !named(input);
     for channel in &record.channels {
         if let Some(reason) = &channel.left_out {
             notes.push(format!("channel `{}` {reason}: left out", channel.name));
-        } else if let Some(input) = meant(&known.inputs, channel) {
+        } else if let Some(input) = known.input_of(channel).filter(|input| is_fed_by(input, channel)) {
+            if meant(&known.inputs, channel).is_none() {
+                notes.push(format!(
+                    "channel `{}` is named like a boundary node, whose temperature is input {input}: it feeds that input",
+                    channel.name
+                ));
+            }
             inputs.push(input.clone());
             let rule = said.rule(input, channel);
             let how = if rule.is_held { "held from row to row" } else { "linear between rows" };
@@ -155,7 +193,8 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
         transient["hold"] = json!(hold);
     }
     let measurement = json!({"transient": transient});
-    Ok(Proposal { csv: csv(record, &columns), measurement, sensors: names, inputs, notes })
+    let has_unknown = !unknown.is_empty();
+    Ok(Proposal { csv: csv(record, &columns), measurement, sensors: names, inputs, notes, has_unknown })
 }
 
 /// A channel that means nothing known, with what its map may have meant.
@@ -212,7 +251,7 @@ fn usual_step(record: &Record) -> f64 {
 }
 
 /// A cell with quotes where it needs them.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let needs = text.contains([',', '"', '\n', '\r']);
     if needs { format!("\"{}\"", text.replace('"', "\"\"").replace(['\n', '\r'], " ")) } else { text.to_owned() }
 }

@@ -13,6 +13,7 @@ mod inference_data;
 pub mod monte_carlo;
 pub mod output;
 pub mod predictive;
+mod remedy;
 mod resolve;
 mod result;
 mod run;
@@ -28,6 +29,7 @@ pub use output::{
     Coverage, CrossValidation, Evidence, HeldOutScore, KeptDraws, MostProbable, Output, ParameterSummary, PhaseScore,
     PosteriorPriorOf, PredictiveRow, SensorPredictive, Spec, Spent, UsedData,
 };
+pub use remedy::{MANY_DRAWS, Remedy};
 pub use run::{Calibrate, Inputs};
 pub use sampler::Sampler;
 pub(in crate::job) use summary::Weighted;

@@ -13,8 +13,6 @@ const QUANTILES: [(&str, f64); 3] = [("q05", 0.05), ("q50", 0.5), ("q95", 0.95)]
 /// Degrees of freedom of the evidence's error by importance sampling. Weights of Pareto shape `k` up to 0.7 make it less
 /// certain than its number of draws tells; how much is not known, so that this is a cautious choice.
 const OF_IMPORTANCE: f64 = 30.0;
-/// Pareto shape above which the evidence's error is not to be trusted (Vehtari, Simpson, Gelman, Yao & Gabry 2024).
-const TRUSTED: f64 = 0.7;
 
 /// How an unknown is shown: its unit, the value and the difference in it.
 pub struct Shown<'a> {
@@ -84,7 +82,7 @@ pub(super) fn of_output(output: &Output) -> Vec<KeyNumber> {
 
 /// Error of the logarithm of the evidence; that of islands is from their scatter.
 pub fn of_evidence(evidence: &Evidence, chains: u64) -> Option<StandardError> {
-    if evidence.pareto_k.is_some_and(|k| !(k <= TRUSTED)) {
+    if !evidence.is_trusted() {
         return None;
     }
     let degrees = if evidence.pareto_k.is_some() { OF_IMPORTANCE } else { chains.saturating_sub(1) as f64 };

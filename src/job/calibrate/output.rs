@@ -101,6 +101,17 @@ pub struct Evidence {
     pub laplace: Option<f64>,
 }
 
+/// Pareto shape of importance weights above which what they give is not to be trusted (Vehtari, Simpson, Gelman, Yao & Gabry
+/// 2024).
+const TRUSTED: f64 = 0.7;
+
+impl Evidence {
+    /// Whether the value and its error are to be trusted: those of importance weights where few of them do not decide all.
+    pub fn is_trusted(&self) -> bool {
+        self.pareto_k.is_none_or(|k| k <= TRUSTED)
+    }
+}
+
 /// The most probable point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MostProbable {

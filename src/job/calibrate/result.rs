@@ -298,7 +298,7 @@ impl Calibrate {
                 counted(readings, "reading")
             ));
         }
-        if let Some(k) = evidence.pareto_k.filter(|k| *k > 0.7) {
+        if let Some(k) = evidence.pareto_k.filter(|_| !evidence.is_trusted()) {
             warnings.push(format!(
                 "The evidence is not to be trusted (Pareto k of its weights {k:.2}, wanted: 0.7 or less): `\"sampler\": \"smc\"` \
                  gives it independently."

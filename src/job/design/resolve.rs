@@ -11,6 +11,7 @@ use crate::study::pass::measurement::SensorForm;
 use crate::study::pass::variable::SweepForm;
 use crate::study::resolve::chosen::{errors, parameters, uncertain, with_errors};
 use crate::study::resolve::design_variable::spaced;
+use crate::study::resolve::plausible;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::{Offered, environments, push_new};
 
@@ -73,6 +74,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DesignForm, offer
                 base[input] = value;
             }
         }
+        plausible::constants(scope, &form.inputs, &base);
         base
     });
     let conditions = base.and_then(|base| conditions(scope, &form.conditions, &base, offered));

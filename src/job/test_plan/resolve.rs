@@ -7,6 +7,7 @@ use crate::job::design;
 use crate::job::kind::JobKind;
 use crate::study::job::{Asked, Entry, JobSpec};
 use crate::study::profile;
+use crate::study::resolve::plausible;
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::number;
 use crate::study::resolved::Upstream;
@@ -62,6 +63,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &TestPlanForm, ask
             start[input] = value;
         }
     }
+    plausible::constants(scope, &form.start, &start);
     let sentences = |written: &Option<Vec<Spanned<String>>>| -> Vec<String> {
         written.iter().flatten().map(|sentence| sentence.value.clone()).collect()
     };

@@ -15,7 +15,7 @@ pub struct History {
     pub y_title: String,
     /// Title of the residual with unit.
     pub residual_title: String,
-    /// Instant, measured, predicted.
+    /// Instant, measured, predicted; lines break where these are no numbers.
     pub points: Vec<(f64, f64, f64)>,
     /// Stretches held out.
     pub held_out: Vec<Shade>,
@@ -76,7 +76,7 @@ pub fn history(data: &History) -> Drawing {
             [&data.x_title, &format!("measured {}", data.y_title), &predicted, &data.residual_title, "held out"]
                 .map(String::from),
         );
-        for &(x, measured, predicted) in &data.points {
+        for &(x, measured, predicted) in data.points.iter().filter(|point| point.0.is_finite()) {
             let held_out = Entry::mark("held out", data.held_out.iter().any(|shade| shade.holds(x)));
             let residual = (measured - predicted).into();
             let row = canvas.record([x.into(), measured.into(), predicted.into(), residual, held_out]);

@@ -12,7 +12,7 @@ pub mod contours;
 pub mod heat_map;
 mod history;
 pub mod layout;
-mod network;
+pub mod network;
 mod pairs;
 pub mod palette;
 mod passes;

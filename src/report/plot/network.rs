@@ -2,13 +2,14 @@
 //! marks mean.
 
 mod key;
+pub mod places;
 
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WIDTH, draw_within, fitted, text_width};
-use super::layout::{positions, push_apart};
 use super::palette::{AMBER, BLUE, Colour, GREEN, INK, PAPER, PURPLE, VERMILION, diverging, is_light};
 use super::sheet::Entry;
 use crate::report::number::signed;
 use key::{key, key_rows, paint_key};
+use places::Field;
 
 pub use crate::thermal::element::{Path, Source};
 
@@ -110,14 +111,16 @@ fn crosses((from, to): &Segment, rectangle: &Boxed) -> bool {
 /// Draws the network.
 pub fn network(diagram: &Diagram) -> Drawing {
     let count = diagram.nodes.len();
-    let size = if diagram.is_small && (9..=20).contains(&count) {
+    // Of the model alone: added nodes leave the others where they stood.
+    let own = diagram.nodes.iter().filter(|node| !diagram.adopted.contains(&node.0)).count();
+    let size = if diagram.is_small && (9..=20).contains(&own) {
         0.82 * TEXT
-    } else if count > 20 {
-        (TEXT * (20.0 / count as f64).sqrt()).max(18.0)
+    } else if own > 20 {
+        (TEXT * (20.0 / own as f64).sqrt()).max(18.0)
     } else {
         TEXT
     };
-    let field = match count {
+    let field = match own {
         0..=8 if diagram.is_small => 390.0,
         _ if diagram.is_small => 450.0,
         0..=3 => 430.0,
@@ -129,9 +132,11 @@ pub fn network(diagram: &Diagram) -> Drawing {
     let canvas_width = if diagram.is_small { NARROW } else { WIDTH };
     let width = f64::from(canvas_width);
     let (side, rim) = if diagram.is_small { (110.0, 60.0) } else { (200.0, 110.0) };
-    let links: Vec<_> = diagram.paths.iter().filter(|p| !diagram.adopted.contains(&p.0)).map(|p| (p.2, p.3)).collect();
-    let sinks: Vec<_> = diagram.nodes.iter().map(|n| n.1 == NodeShape::Boundary).collect();
-    let names: Vec<_> = diagram.nodes.iter().map(|n| fitted(&n.0, size, 330.0)).collect();
+    let is_added = |node: usize| diagram.nodes.get(node).is_some_and(|own| diagram.adopted.contains(&own.0));
+    // An added node is called like its effect.
+    let name_of =
+        |name: &String| if diagram.adopted.contains(name) { name.trim_end_matches(".hidden") } else { name }.to_owned();
+    let names: Vec<_> = diagram.nodes.iter().map(|own| fitted(&name_of(&own.0), size, 330.0)).collect();
     let deviation_of = |node: usize| diagram.deviations.get(node).copied().flatten();
     // The colour in numbers, for those who do not see it.
     let numbers: Vec<_> =
@@ -141,11 +146,7 @@ pub fn network(diagram: &Diagram) -> Drawing {
         text_width(name, size) + number + 1.3 * size
     };
     let boxes: Vec<_> = names.iter().zip(&numbers).map(|own| (width_of(own), 1.9 * size)).collect();
-    let mut centres: Vec<_> = positions(count, &links, &sinks)
-        .into_iter()
-        .map(|(x, y)| (side + x * (width - 2.0 * side), rim + y * (field - 2.0 * rim)))
-        .collect();
-    push_apart(&mut centres, &boxes, 1.6 * size, (width, field));
+    let centres = places::centres(diagram, &boxes, &Field { width, height: field, side, rim, gap: 1.6 * size });
 
     let key = key(diagram);
     let key_height = 38.0 + 46.0 * key_rows(&key, width).len() as f64;
@@ -216,10 +217,11 @@ pub fn network(diagram: &Diagram) -> Drawing {
             .collect();
         // What is missing is named first: it finds the best place.
         for (own, points) in diagram.missing.iter().zip(&missing) {
-            label_missing(canvas, own, points, &mut taken, (width, field));
+            label_missing(canvas, own, points, &mut taken, (width, field), true);
         }
-        for (own, points) in &adopted {
-            label_missing(canvas, own, points, &mut taken, (width, field));
+        // What leads to an added node is named by it; another name without a free place would cover a box.
+        for (own, points) in adopted.iter().filter(|(own, _)| !is_added(own.from) && !is_added(own.to)) {
+            label_missing(canvas, own, points, &mut taken, (width, field), false);
         }
         for (name, source, node) in &diagram.sources {
             if let (Some(&centre), Some(&shape)) = (centres.get(*node), boxes.get(*node)) {
@@ -356,6 +358,7 @@ fn label_missing(
     points: &[(f64, f64)],
     taken: &mut Vec<Boxed>,
     (width, field): (f64, f64),
+    must_stand: bool,
 ) {
     let name = fitted(&own.label, SMALL, 620.0);
     let label = (text_width(&name, SMALL) + 16.0, 1.3 * SMALL);
@@ -374,7 +377,7 @@ fn label_missing(
     let distance = |at: &(f64, f64)| (at.0 - middle.0).abs() + (at.1 - middle.1).abs();
     places.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
     let free = places.iter().find(|at| !taken.iter().any(|other| overlap(other, &(**at, label))));
-    if let Some(&at) = free.or(places.first()) {
+    if let Some(&at) = free.or(places.first().filter(|_| must_stand)) {
         taken.push((at, label));
         canvas.text_on_paper(&name, at, Lettering::new(SMALL, colour_of(own.path)).bold().at(Anchor::Middle));
     }
@@ -476,8 +479,17 @@ fn paint_source(
     let (half_x, half_y) = (shape.0 / 2.0, shape.1 / 2.0);
     let mut best = None;
     let mut is_named = false;
-    // First a place that no line crosses, then any that is free.
-    'search: for (reach, may_cross) in [(66.0, false), (100.0, false), (66.0, true), (100.0, true), (140.0, true)] {
+    let ends = |at: (f64, f64), (sx, sy): (f64, f64)| {
+        let level = (centre.0 + sx * half_x, centre.1);
+        let tip = if sy == 0.0 { level } else { (centre.0 + 0.5 * sx * half_x, centre.1 + sy * half_y) };
+        let tail = if sy == 0.0 { (at.0 - sx * label.0 / 2.0, at.1) } else { (at.0, at.1 - sy * label.1 / 2.0) };
+        (tip, tail)
+    };
+    let covers = |shaft: &Segment| taken.iter().any(|other| other.0 != centre && crosses(shaft, other));
+    let reaches = [(66.0, false), (100.0, false), (66.0, true), (100.0, true), (140.0, true)];
+    // First a place that no line crosses, then any that is free, and an arrow over another box last.
+    let tries = [false, true].into_iter().flat_map(|may_cover| reaches.map(|(reach, cross)| (reach, cross, may_cover)));
+    'search: for (reach, may_cross, may_cover) in tries {
         let (far_x, far_y) = (half_x + reach + label.0 / 2.0, half_y + reach + label.1 / 2.0);
         for (sx, sy) in
             [(0.0, -1.0), (0.0, 1.0), (-0.55, -1.0), (0.55, -1.0), (1.0, 0.0), (-1.0, 0.0), (-0.55, 1.0), (0.55, 1.0)]
@@ -490,7 +502,8 @@ fn paint_source(
             let candidate = (at, (sx, sy));
             best.get_or_insert(candidate);
             let is_free = !taken.iter().any(|t| overlap(t, &(at, label)));
-            if fits && is_free && (may_cross || !lines.iter().any(|l| crosses(l, &(at, label)))) {
+            let is_off_lines = may_cross || !lines.iter().any(|l| crosses(l, &(at, label)));
+            if fits && is_free && is_off_lines && (may_cover || !covers(&ends(at, (sx, sy)))) {
                 best = Some(candidate);
                 is_named = true;
                 break 'search;
@@ -498,12 +511,7 @@ fn paint_source(
         }
     }
     if let Some((at, (sx, sy))) = best {
-        let tip = if sy == 0.0 {
-            (centre.0 + sx * half_x, centre.1)
-        } else {
-            (centre.0 + 0.5 * sx * half_x, centre.1 + sy * half_y)
-        };
-        let tail = if sy == 0.0 { (at.0 - sx * label.0 / 2.0, at.1) } else { (at.0, at.1 - sy * label.1 / 2.0) };
+        let (tip, tail) = ends(at, (sx, sy));
         let shaft = ((tail.0 - tip.0).abs() + 24.0, (tail.1 - tip.1).abs());
         taken.push((((tail.0 + tip.0) / 2.0, (tail.1 + tip.1) / 2.0), shaft));
         if is_adopted {

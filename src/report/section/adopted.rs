@@ -24,10 +24,14 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
                 place.push_str(&format!("; {input}: {bound}"));
             }
             let mut because = effect.because.clone();
-            if let Some([pass, job]) = &effect.evidence {
-                because.push_str(&format!(" (job {job} of {pass})"));
+            if let Some(evidence) = &effect.evidence {
+                because.push_str(&format!(" (job {} of {})", evidence.job, evidence.pass));
             }
-            let applies = if effect.applies_to.is_empty() { "all".to_owned() } else { effect.applies_to.join(", ") };
+            let applies = if effect.applies_to.is_empty() {
+                "every measurement and environment".to_owned()
+            } else {
+                effect.applies_to.join(", ")
+            };
             vec![
                 Cell::code(&effect.name),
                 effect.title.clone().into(),

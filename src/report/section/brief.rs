@@ -11,7 +11,7 @@ pub trait Brief: Sync {
     type Kind: JobKind;
 
     /// The outcome, a line each.
-    fn headline(output: &<Self::Kind as JobKind>::Output) -> Vec<String>;
+    fn headline(job: &JobEntry, output: &<Self::Kind as JobKind>::Output) -> Vec<String>;
 
     /// Names and texts of the figures that tell the result.
     fn essentials(output: &<Self::Kind as JobKind>::Output) -> Vec<(String, String)>;
@@ -34,7 +34,7 @@ pub trait ErasedBrief: Sync {
 
 impl<B: Brief> ErasedBrief for B {
     fn headline(&self, job: &JobEntry) -> Option<Vec<String>> {
-        job.output_of::<B::Kind>().map(<B as Brief>::headline)
+        job.output_of::<B::Kind>().map(|output| <B as Brief>::headline(job, output))
     }
 
     fn essentials(&self, job: &JobEntry) -> Option<Vec<(String, String)>> {

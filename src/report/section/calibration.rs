@@ -4,9 +4,9 @@ mod brief;
 mod figures;
 
 use crate::document::{counted, p_value};
-use crate::job::calibrate::{Kind, Output, ParameterSummary, PhaseScore};
+use crate::job::calibrate::{Evidence, Kind, Output, ParameterSummary, PhaseScore};
 use crate::job::compare;
-use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset};
+use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
@@ -57,7 +57,7 @@ fn of_each(
         if jobs > 1 {
             blocks.push(Block::Heading(format!("Job {name}")));
         }
-        blocks.extend(verdict(output));
+        blocks.extend(verdict(name, output));
         blocks.extend(found(output));
         blocks.extend(report.outputs::<compare::Kind>().filter_map(|(_, comparison)| achieved(name, comparison)));
         blocks.extend(checks(name, output));
@@ -130,7 +130,24 @@ fn trust(output: &Output) -> Block {
 
 /// A row for each unknown, in their order.
 fn rows(output: &Output, row: impl Fn(&String, &ParameterSummary) -> Vec<Cell>) -> Vec<Vec<Cell>> {
-    output.order.iter().filter_map(|name| Some(row(name, output.parameters.get(name)?))).collect()
+    shown(output).map(|(name, summary)| row(name, &summary)).collect()
+}
+
+/// The unknowns in their order, as people read them: temperatures at which a transient starts in degrees Celsius, as all
+/// temperatures of a report.
+fn shown(output: &Output) -> impl Iterator<Item = (&String, ParameterSummary)> {
+    let zero = Shown::celsius().value(0.0);
+    output.order.iter().enumerate().filter_map(move |(place, name)| {
+        let mut summary = output.parameters.get(name)?.clone();
+        if place as u64 >= output.model_parameters && summary.unit == "K" && name.contains(".start.") {
+            let own = &mut summary;
+            for value in [&mut own.mean, &mut own.q025, &mut own.q50, &mut own.q975, &mut own.map] {
+                *value += zero;
+            }
+            summary.unit = "degC".to_owned();
+        }
+        Some((name, summary))
+    })
 }
 
 fn rhat(own: &ParameterSummary) -> Cell {
@@ -142,7 +159,19 @@ fn at_bound(own: &ParameterSummary) -> Cell {
     Cell { text: percent(own.at_bound, 0).into(), status: (own.at_bound > 0.05).then_some(Status::Caution) }
 }
 
-fn verdict(output: &Output) -> Vec<Block> {
+/// The logarithm of the evidence with its error, or that it is not to be trusted.
+fn evidence(own: &Evidence) -> Option<String> {
+    let value = own.value?;
+    Some(match (own.sd, own.pareto_k) {
+        (_, Some(k)) if !own.is_trusted() => {
+            format!("{}, not to be trusted (Pareto k {}, wanted: 0.7 or less)", fixed(value, 1), fixed(k, 2))
+        }
+        (Some(sd), _) => with_error(value, sd),
+        (None, _) => fixed(value, 2),
+    })
+}
+
+fn verdict(name: &str, output: &Output) -> Vec<Block> {
     let mut blocks = Vec::new();
     if output.converged {
         let text = format!(
@@ -154,6 +183,9 @@ fn verdict(output: &Output) -> Vec<Block> {
     } else {
         let text = "The sampler did not converge. The numbers of this section are not to be relied upon.";
         blocks.push(Block::callout(Tone::Warning, text));
+        let remedy =
+            output.remedy().map(|remedy| Text::with_names(&format!("What mends it: {}.", remedy.in_words(name))));
+        blocks.extend(remedy.map(|text| Block::callout(Tone::Next, text)));
         blocks.push(Block::List(output.objections.iter().map(|o| Text::new(o.clone())).collect()));
     }
     if let Some(p) = output.p_value.filter(|p| *p < 0.005) {
@@ -263,7 +295,7 @@ fn achieved(job: &str, comparison: &compare::Output) -> Option<Block> {
     }
     let table = Table {
         caption:
-            "What tuning achieved: RMSE as delivered, after tuning, and the 95 % range that the noise of the tuned \
+            "What tuning achieved: RMSE before tuning, at the nominal parameters, and after it, and the 95 % range that the noise of the tuned \
                   state alone would give over all readings (its correlation in time allowed for). Where the noise is \
                   inferred, it has taken up whatever the model lacks."
                 .into(),
@@ -271,7 +303,7 @@ fn achieved(job: &str, comparison: &compare::Output) -> Option<Block> {
             Column::text("Measurement"),
             Column::text("Sensor"),
             Column::text("Readings"),
-            Column::number("Delivered", ""),
+            Column::number("Before", ""),
             Column::number("Tuned", ""),
             Column::number("Noise alone", ""),
             Column::text("Unit"),
@@ -404,9 +436,8 @@ fn method(output: &Output) -> String {
         best.starts[1],
         counted(best.starts[0], "start")
     );
-    if let Some(value) = output.log_evidence.value {
-        let error = output.log_evidence.sd.map_or(String::new(), |sd| format!(" \u{00B1} {}", significant(sd, 2)));
-        text.push_str(&format!("Log evidence {}{error} ({}). ", fixed(value, 2), output.log_evidence.method));
+    if let Some(words) = evidence(&output.log_evidence) {
+        text.push_str(&format!("Log evidence by {}: {words}. ", output.log_evidence.method));
     }
     if let Some(p) = output.p_value {
         text.push_str(&format!("Posterior predictive p-value {}. ", p_value(p)));

@@ -37,7 +37,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         }
         blocks.push(Block::Paragraph(
             Text::new("Parameters: ")
-                .strong("nominal, the model as delivered")
+                .strong(format!("nominal, the model {}", report.untuned()))
                 .plain(". Deviations are measured minus predicted: positive where the model is too low."),
         ));
         blocks.extend(where_it_fails(output));
@@ -274,7 +274,7 @@ fn phases(output: &Output) -> Option<Block> {
                 Column::number("Standard deviation", ""),
                 Column::number("RMSE", ""),
                 Column::text("Worst sensor"),
-                Column::number("Its deviation", ""),
+                Column::number("At worst", ""),
             ],
             rows,
         },

@@ -156,18 +156,22 @@ fn effects(output: &Output) -> Option<Block> {
         }
     }
     let more = others.len() - shown.len();
+    // A group of one has no rival.
+    let in_group = |group: u64| others.iter().filter(|effect| effect.group == Some(group)).count();
+    let group_of = |effect: &EffectResult| effect.group.filter(|group| in_group(*group) > 1);
+    let has_rivals = shown.iter().any(|effect| group_of(effect).is_some());
     let rows = shown.into_iter().map(|effect| {
         let RmseChange { train, held_out } = effect.rmse_k;
-        vec![
+        let rivals = group_of(effect).map_or_else(|| NONE.to_owned(), |group| format!("group {group}"));
+        let mut row = vec![
             Cell { text: Text::default().code(&effect.effect), status: is_selected(effect).then_some(Status::Ok) },
             Cell { text: place(effect), status: None },
             chance(effect.probability).into(),
             fixed(effect.log_bayes_factor, 1).into(),
-            effect.group.map_or_else(|| NONE.to_owned(), |group| group.to_string()).into(),
-            amplitudes(effect).into(),
-            change(train).into(),
-            change(held_out).into(),
-        ]
+        ];
+        row.extend(has_rivals.then(|| Cell::from(rivals)));
+        row.extend([amplitudes(effect).into(), change(train).into(), change(held_out).into()]);
+        row
     });
     let rows: Vec<Vec<Cell>> = rows.collect();
     let what = match output.verdict {
@@ -202,23 +206,17 @@ fn effects(output: &Output) -> Option<Block> {
     } else {
         "The probability is that among all that may be added at the step, and nothing; size and errors are those of the step."
     };
-    let caption = what.plain(format!(" {meaning} These data cannot tell apart what is of one group.{left_out}"));
-    (!rows.is_empty()).then(|| {
-        Block::Table(Table {
-            caption,
-            columns: vec![
-                Column::text("Effect"),
-                Column::text("Where"),
-                Column::number("Probability", ""),
-                Column::number("Log Bayes factor", ""),
-                Column::number("Group", ""),
-                Column::text("Size"),
-                Column::number("RMSE, fitted", "K"),
-                Column::number("RMSE, held out", "K"),
-            ],
-            rows,
-        })
-    })
+    let alike = if has_rivals { " Effects of one group are rivals: these data cannot tell them apart." } else { "" };
+    let caption = what.plain(format!(" {meaning}{alike}{left_out}"));
+    let mut columns = vec![
+        Column::text("Effect"),
+        Column::text("Where"),
+        Column::number("Probability", ""),
+        Column::number("Log Bayes factor", ""),
+    ];
+    columns.extend(has_rivals.then(|| Column::text("Rivals")));
+    columns.extend([Column::text("Size"), Column::number("RMSE, fitted", "K"), Column::number("RMSE, held out", "K")]);
+    (!rows.is_empty()).then_some(Block::Table(Table { caption, columns, rows }))
 }
 
 fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {

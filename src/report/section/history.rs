@@ -40,12 +40,18 @@ pub fn section(history: &History) -> Option<Section> {
         }
         blocks.push(Block::Paragraph(text.plain(".")));
     }
-    let unconverged: Vec<&str> =
-        measured.iter().filter(|pass| pass.converged == Some(false)).map(|pass| pass.pass.as_str()).collect();
-    if !unconverged.is_empty() {
+    for pass in measured.iter().filter(|pass| pass.converged == Some(false)) {
+        let remedy = pass.remedy.as_ref().map_or_else(String::new, |remedy| format!(" What mends it: {remedy}."));
+        let text = Text::new("The calibration of ").code(&pass.pass).plain(format!(
+            " did not converge: the tuned state is a point at which the model was run, the evidence is not to be trusted.{remedy}"
+        ));
+        blocks.push(Block::callout(Tone::Warning, text));
+    }
+    let doubtful: Vec<&str> = measured.iter().filter(|pass| is_doubtful(pass)).map(|pass| pass.pass.as_str()).collect();
+    if !doubtful.is_empty() {
         let text = format!(
-            "The calibration of {} did not converge: the tuned state is a point at which the model was run, the evidence is not to be trusted.",
-            unconverged.join(", ")
+            "The evidence of {} is marked: its importance weights have a Pareto k above 0.7, so that it is not to be trusted.",
+            doubtful.join(", ")
         );
         blocks.push(Block::callout(Tone::Warning, text));
     }
@@ -53,6 +59,18 @@ pub fn section(history: &History) -> Option<Section> {
         blocks.push(Block::Figure(figure(history, &measured, first)));
     }
     Some(Section { id: "history", title: "Error by pass".into(), blocks })
+}
+
+/// Whether a pass has an evidence that is not to be trusted.
+fn is_doubtful(pass: &PassErrors) -> bool {
+    pass.log_evidence_is_trusted == Some(false)
+}
+
+/// The logarithm of a pass's evidence to so many decimals, marked where it is not to be trusted.
+pub(super) fn evidence(pass: &PassErrors, decimals: usize) -> Cell {
+    let text = pass.log_evidence.map_or_else(|| NONE.to_owned(), |value| fixed(value, decimals));
+    let is_marked = is_doubtful(pass) || pass.converged == Some(false);
+    Cell { text: text.into(), status: is_marked.then_some(Status::Fail) }
 }
 
 /// Which jobs a pass lacks, what is not known without them, and what to write.
@@ -122,7 +140,7 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
         return other_readings(text, before, pass);
     }
     let states = |states: &States| [states.tuned, states.delivered];
-    let words = ["tuned", "as delivered"];
+    let words = ["tuned", if pass.adopted.is_empty() { "as delivered" } else { "untuned" }];
     let pairs = states(&before.rmse_k).into_iter().zip(states(&pass.rmse_k)).zip(words);
     let changes =
         pairs.filter_map(|((before, after), word)| Some((change(&before, &after)?, fell(&before, &after), word)));
@@ -178,7 +196,6 @@ fn table(measured: &[&PassErrors]) -> Table {
                 status: (within != Split::default()).then(|| if all(&within) { Status::Ok } else { Status::Caution }),
                 ..pair(&within, &|share| percent(share, 0))
             };
-            let evidence = pass.log_evidence.map_or_else(|| NONE.to_owned(), |value| fixed(value, 2));
             vec![
                 Cell::code(&pass.pass),
                 pair(&pass.rmse_k.delivered, &|value| fixed(value, 2)),
@@ -186,7 +203,7 @@ fn table(measured: &[&PassErrors]) -> Table {
                 pair(&state(pass, &pass.mean_k), &|value| signed(value, 2)),
                 within_cell,
                 pass.reduced_chi2.map_or_else(|| NONE.to_owned(), |value| fixed(value, 2)).into(),
-                evidence.into(),
+                evidence(pass, 2),
             ]
         })
         .collect();

@@ -92,7 +92,7 @@ fn passes(report: &PassReport<'_>) -> Vec<Block> {
             pass.title.clone().into(),
             if pass.added.is_empty() { NONE.to_owned() } else { pass.added.join(", ") }.into(),
             error(&pass.rmse_k).into(),
-            pass.log_evidence.map_or_else(|| NONE.to_owned(), |value| fixed(value, 1)).into(),
+            super::history::evidence(pass, 1),
             if jobs.is_empty() { NONE.to_owned() } else { jobs.join(", ") }.into(),
         ]
     };

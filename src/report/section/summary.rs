@@ -1,16 +1,19 @@
 //! The first screen: what came out in a sentence, the next step as a command, the states of the model, what requirements
 //! and sizes that leaves, what is missing and where, and the picture that shows it.
 
+mod adopted;
 pub(super) mod claims;
 pub mod ladder;
 mod missing;
 mod outcome;
+mod unconverged;
 
 use crate::document::counted;
 use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate};
 use crate::report::page::{Block, Figure, Section, Statement, Text, Tone};
 use crate::report::view::PassReport;
 
+use super::validation::is_unconverged;
 use super::{Entry, comparison, network, prediction, propagation, surrogate};
 
 /// Statements on the first screen.
@@ -22,8 +25,10 @@ pub(super) const SECTION: Entry = Entry::plain(build);
 /// The summary; always there.
 pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     let (headline, statements) = in_brief(report);
-    let mut blocks: Vec<Block> = headline.map(|text| Block::callout(Tone::Verdict, text)).into_iter().collect();
+    let tone = if is_unconverged(report) { Tone::Warning } else { Tone::Verdict };
+    let mut blocks: Vec<Block> = headline.map(|text| Block::callout(tone, text)).into_iter().collect();
     blocks.extend(outcome::next_step(report).map(|text| Block::callout(Tone::Next, text)));
+    blocks.extend(adopted::in_predictions(report));
     blocks.extend(data_warnings(report));
     let (table, notes) = ladder::table(report).unzip();
     blocks.extend(table.map(Block::Table));
@@ -41,12 +46,6 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
         blocks.push(Block::callout(Tone::Reconstructed, note.clone()));
     }
     blocks.extend(surrogate::notes(report));
-    for (name, _) in report.outputs::<calibrate::Kind>().filter(|(_, output)| !output.converged) {
-        let text = Text::new("The calibration ")
-            .code(name)
-            .plain(" did not converge: tuned numbers are not to be relied upon.");
-        blocks.push(Block::callout(Tone::Warning, text));
-    }
     blocks.extend(report.warnings.iter().map(|w| Block::callout(Tone::Warning, w.clone())));
     if report.results.is_empty() {
         blocks.push(Block::callout(
@@ -104,9 +103,13 @@ fn statements(report: &PassReport<'_>) -> Vec<Statement> {
             statements.push(missing::of_further(name, output));
         }
     }
-    for (_, output) in report.outputs::<calibrate::Kind>() {
-        statements.extend(outcome::of_calibration(output));
+    // Of what was found its size, before that of what was known to be there.
+    let of_effects = adopted::sizes(report);
+    if of_effects.is_empty() {
+        let calibrations = report.outputs::<calibrate::Kind>();
+        statements.extend(calibrations.filter_map(|(_, output)| outcome::of_calibration(output)));
     }
+    statements.extend(of_effects);
     // What a requirement or a size says goes before what a distribution says, where there is no room for all.
     let mut distributions = Vec::new();
     for (_, output) in report.outputs::<propagate::Kind>() {

@@ -1,7 +1,7 @@
 //! Whether what is claimed of requirements rests on a model that keeps the criteria of its own test.
 
-use crate::job::compare;
 use crate::job::propagate::Met;
+use crate::job::{calibrate, compare, predict};
 use crate::report::ladder::{self, Standing};
 use crate::report::number::Shown;
 use crate::report::page::{Cell, Status, Text};
@@ -33,7 +33,7 @@ fn broken<'r>(report: &'r PassReport<'_>, rests: Rests) -> Option<(&'r compare::
 /// on readings held out from its fit.
 pub(super) fn state(report: &PassReport<'_>, rests: Rests) -> String {
     let which = match rests {
-        Rests::OnDelivered => "as delivered",
+        Rests::OnDelivered => report.untuned(),
         Rests::OnTuned => "tuned",
     };
     let judged = report.outputs::<compare::Kind>().filter_map(|(_, output)| {
@@ -53,9 +53,19 @@ pub(super) fn state(report: &PassReport<'_>, rests: Rests) -> String {
     }
 }
 
-/// How a requirement stands, in words and in colour: none is met by a model that fails its test.
+/// Whether chains behind a tuned state or a prediction of the pass did not converge.
+pub(super) fn is_unconverged(report: &PassReport<'_>) -> bool {
+    report.outputs::<calibrate::Kind>().any(|(_, output)| !output.converged)
+        || report.outputs::<predict::Kind>().any(|(_, output)| !output.converged)
+}
+
+/// How a requirement stands, in words and in colour: none is met by a model that fails its test, or by draws of chains that did
+/// not converge.
 pub(super) fn claim(report: &PassReport<'_>, rests: Rests, met: &Met) -> (&'static str, Status) {
     match propagation::standing(met) {
+        Status::Ok if rests == Rests::OnTuned && is_unconverged(report) => {
+            ("no claim: the posterior is not to be trusted", Status::Caution)
+        }
         Status::Ok if broken(report, rests).is_some() => ("no claim: the model fails its test", Status::Caution),
         standing => (propagation::outcome(met), standing),
     }
@@ -76,7 +86,7 @@ pub(super) fn objection<'m>(
     let (output, state) = broken(report, rests)?;
     let met = claims.find(|met| propagation::standing(met) == Status::Ok)?;
     let [kept, of] = state.kept?;
-    let which = if rests == Rests::OnTuned && output.tuned.is_some() { "tuned" } else { "as delivered" };
+    let which = if rests == Rests::OnTuned && output.tuned.is_some() { "tuned" } else { report.untuned() };
     let mut text = Text::default().strong("No requirement is called met here.").plain(format!(
         " The probability is that of the model, and the model {which} keeps {kept} of {of} criteria of its test ({}).",
         output.criteria.title

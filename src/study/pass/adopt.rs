@@ -72,5 +72,9 @@ written_struct! {
         required pass: Spanned<String>,
         /// The job's name.
         required job: Spanned<String>,
+        /// Probability that the effect is there, as that job stated it.
+        optional probability: Spanned<f64>,
+        /// Standard deviations of the sizes that it stated, by the effect's parameters, in the units of these.
+        default(Map::default()) sd: Map<f64>,
     }
 }

@@ -12,7 +12,7 @@ use crate::study::pass::PassForm;
 use crate::study::pass::adopt::{Adopted, EffectUse};
 use crate::study::pass::measurement::{MeasurementForm, SensorForm};
 use crate::study::requirement::Environment;
-use crate::study::resolved::AdoptedEffect;
+use crate::study::resolved::{AdoptedEffect, Evidence};
 use crate::thermal::Input;
 
 use super::adopt_parameter::parameters;
@@ -90,7 +90,8 @@ pub fn depends_on_dates(folder: &Folder, form: &PassForm) -> bool {
     used.any(|usage| catalogue.get(&usage.name).is_some_and(Effect::depends_on_date))
 }
 
-fn of_sensors(effect: &Effect) -> bool {
+/// Whether an effect acts on sensors, and on no node or element.
+pub fn of_sensors(effect: &Effect) -> bool {
     effect.places.iter().any(|place| matches!(place, PlaceKind::Sensor | PlaceKind::SensorPair))
 }
 
@@ -116,12 +117,25 @@ fn effect<'c, 'f>(
 }
 
 fn check_evidence(scope: &mut Scope, form: &Adopted) {
-    if let Some(evidence) = &form.evidence
-        && let Err(error) = scope.folder.read(&evidence.pass.value)
-    {
+    let Some(evidence) = &form.evidence else { return };
+    if let Err(error) = scope.folder.read(&evidence.pass.value) {
         let diagnostic = super::folder_diagnostic_at(&error, &evidence.pass.place);
         scope.diagnostics.push(diagnostic);
     }
+    if let Some(probability) = evidence.probability.as_ref().filter(|own| !(0.0..=1.0).contains(&own.value)) {
+        let message = format!("a probability of {}", probability.value);
+        scope.error(&code::OUT_OF_RANGE, &probability.place, message, "a number from 0 to 1");
+    }
+}
+
+/// What supports an adopted effect.
+fn evidence(form: &Adopted) -> Option<Evidence> {
+    form.evidence.as_ref().map(|own| Evidence {
+        pass: own.pass.value.clone(),
+        job: own.job.value.clone(),
+        probability: own.probability.as_ref().map(|probability| probability.value),
+        sd: own.sd.iter().map(|entry| (entry.name.clone(), entry.value)).collect(),
+    })
 }
 
 /// The start temperatures of the nodes that an effect adds.
@@ -221,8 +235,9 @@ impl Adoption {
             inputs,
             parameters: applied.first_parameter..applied.first_parameter + parameters.len(),
             because: entry.value.because.value.clone(),
-            evidence: entry.value.evidence.as_ref().map(|e| [e.pass.value.clone(), e.job.value.clone()]),
+            evidence: evidence(&entry.value),
             applies_to: applies_to.into_iter().flatten().map(|name| name.value.clone()).collect(),
+            is_of_readings: of_sensors(effect),
         });
         Some(applied)
     }

@@ -16,6 +16,7 @@ pub mod measurement;
 mod noise;
 mod outside;
 pub mod parts;
+pub use adopt::of_sensors;
 pub use parts::belongs_to;
 mod physical;
 pub mod plausible;

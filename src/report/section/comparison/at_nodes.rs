@@ -44,5 +44,5 @@ pub(in crate::report::section) fn at_nodes(report: &PassReport<'_>) -> Option<At
         }
     }
     let full_scale = full_scale(report);
-    (full_scale > 0.0).then(|| AtNodes { largest, full_scale, state: shows.words(output) })
+    (full_scale > 0.0).then(|| AtNodes { largest, full_scale, state: shows.words(report, output) })
 }

@@ -5,6 +5,7 @@ use crate::job::compare::{Kind, Output, Verdict};
 use crate::report::headline::MOST_FINDINGS;
 use crate::report::number::Shown;
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 /// A comparison in brief.
 pub(in crate::report::section) struct Comparison;
@@ -13,7 +14,10 @@ impl Brief for Comparison {
     type Kind = Kind;
 
     /// RMSE and criteria, then where it fails.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(job: &JobEntry, output: &Output) -> Vec<String> {
+        let untuned = job.untuned();
+        // Once at length.
+        let state = if job.has_adopted { "untuned" } else { untuned };
         let units: Vec<&str> = output.sensors.iter().map(|sensor| sensor.unit.as_str()).collect();
         let mut parts = Vec::new();
         if let Some(unit) = units.first().filter(|unit| units.iter().all(|other| other == *unit)) {
@@ -26,26 +30,26 @@ impl Brief for Comparison {
             for (rows, delivered, tuned) in rows.into_iter().filter(|(_, delivered, _)| delivered.count > 0) {
                 let delivered = shown.text(delivered.rmse);
                 parts.push(match tuned {
-                    Some(tuned) => format!("RMSE{rows} {delivered} as delivered, {} tuned", shown.text(tuned.rmse)),
-                    None => format!("RMSE{rows} {delivered} as delivered"),
+                    Some(tuned) => format!("RMSE{rows} {delivered} {untuned}, {} tuned", shown.text(tuned.rmse)),
+                    None => format!("RMSE{rows} {delivered} {untuned}"),
                 });
             }
         }
         if !output.verdicts.is_empty() {
             let [kept, tuned] = [&output.verdicts, &output.tuned_verdicts()].map(|verdicts| kept(verdicts));
             let tuned = if output.tuned.is_some() { format!(", {tuned} tuned") } else { String::new() };
-            parts.push(format!("{kept} criteria kept as delivered{tuned} ({})", output.criteria.title));
+            parts.push(format!("{kept} criteria kept {state}{tuned} ({})", output.criteria.title));
         }
         if !output.failed.is_empty() {
             parts.push(format!("{} without a prediction", counted(output.failed.len(), "phase")));
         }
         let mut lines = vec![parts.join("; ")];
-        lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|finding| format!("as delivered, {finding}")));
+        lines.extend(output.fails.iter().take(MOST_FINDINGS).map(|finding| format!("{state}, {finding}")));
         if output.fails.len() > MOST_FINDINGS {
             let more = counted(output.fails.len() - MOST_FINDINGS, "more finding");
             lines.push(format!("and {more}"));
         } else if output.fails.is_empty() {
-            lines.push("as delivered, the model fails at no place".to_owned());
+            lines.push(format!("{state}, the model fails at no place"));
         }
         lines
     }

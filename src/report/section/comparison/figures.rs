@@ -10,6 +10,7 @@ use crate::report::plot::{
     Along, Axis, Chart, HeatMap, History, Layer, Limit, Shade, Strip, heat_map, history, palette, residual_strips,
 };
 use crate::report::view::PassReport;
+use crate::study::resolve::belongs_to;
 
 use super::super::prefix;
 use super::{MOST_SENSORS, WORST_SENSORS, worst_first};
@@ -26,6 +27,15 @@ fn measurements(output: &Output) -> Vec<&str> {
         }
     }
     out
+}
+
+/// The measurements that are parts of one record, in the order of the rows: a transient goes on after a gap as another one.
+fn parts<'a>(report: &PassReport<'_>, output: &'a Output, measurement: &str) -> Vec<&'a str> {
+    let file = |name: &str| report.measurements.iter().find(|own| own.name == name).map(|own| &own.sha256);
+    let all = measurements(output);
+    let is_whole = |name: &&str| belongs_to(measurement, name) && file(name) == file(measurement);
+    let whole = all.iter().copied().find(is_whole).unwrap_or(measurement);
+    all.iter().copied().filter(|name| belongs_to(name, whole) && file(name) == file(whole)).collect()
 }
 
 /// Sensors of a measurement with their units; the worst where there are many.
@@ -67,6 +77,7 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
     let histories: usize = transients.iter().map(|measurement| sensor_names(output, measurement).len()).sum();
     let most = if histories > MOST_HISTORIES { (MOST_HISTORIES / transients.len()).max(1) } else { histories };
     for measurement in measurements(output) {
+        let is_first_part = parts(report, output, measurement).first().is_none_or(|first| *first == measurement);
         if report.is_steady(measurement, &output.rows) {
             open.extend(states(output).map(|shows| phase_map(report, job, output, measurement, shows, false)));
         } else {
@@ -74,10 +85,14 @@ pub(super) fn figures(report: &PassReport<'_>, job: &str, output: &Output) -> Ve
             let mut names = sensor_names(output, measurement);
             keep_worst(output, measurement, most, &mut names);
             let history = |sensor: &str, shows| time_history(report, job, output, measurement, sensor, shows, false);
-            let worst = super::worst_sensor(output).filter(|worst| worst.measurement == measurement);
-            let tuned = worst.filter(|_| output.tuned.is_some());
-            open.extend(tuned.map(|worst| history(worst.sensor.as_str(), Shows::Tuned)));
-            folded.extend(names.into_iter().map(|(sensor, _)| history(sensor, Shows::Delivered)));
+            // Histories show all parts of a record at once.
+            if is_first_part {
+                let own = parts(report, output, measurement);
+                let worst = super::worst_sensor(output).filter(|worst| own.contains(&worst.measurement.as_str()));
+                let tuned = worst.filter(|_| output.tuned.is_some());
+                open.extend(tuned.map(|worst| history(worst.sensor.as_str(), Shows::Tuned)));
+                folded.extend(names.into_iter().map(|(sensor, _)| history(sensor, Shows::Delivered)));
+            }
         }
         folded.extend(residual_histogram(job, output, measurement));
     }
@@ -116,9 +131,10 @@ impl Shows {
         if self == Self::Tuned { "-tuned" } else { "" }
     }
 
-    pub(super) fn words(self, output: &Output) -> &'static str {
+    pub(super) fn words(self, report: &PassReport<'_>, output: &Output) -> &'static str {
         match (self, &output.tuned) {
             (Self::Tuned, _) => " after tuning",
+            (Self::Delivered, Some(_)) if !report.adopted.is_empty() => " before tuning",
             (Self::Delivered, Some(_)) => " as delivered",
             (Self::Delivered, None) => "",
         }
@@ -212,12 +228,12 @@ pub(in crate::report::section) fn phase_map(
     Figure {
         id: format!("{}{job}-{measurement}-phases{}", prefix(is_small), shows.id()),
         drawing: heat_map(&map),
-        caption: Text::new(format!("Measured minus predicted{} by phase and sensor, ", shows.words(output)))
+        caption: Text::new(format!("Measured minus predicted{} by phase and sensor, ", shows.words(report, output)))
             .code(measurement)
             .plain(cut),
         alternative: format!(
             "Heat map of measured minus predicted{} in {unit} for {} and {} of {measurement}. {}",
-            shows.words(output),
+            shows.words(report, output),
             counted(phases.len(), "phase"),
             counted(sensors.len(), "sensor"),
             output.fails.first().filter(|_| shows == Shows::Delivered).map_or("", String::as_str)
@@ -249,12 +265,11 @@ fn of_sensor<'a>(output: &'a Output, measurement: &str, sensor: &str) -> Vec<Row
 /// Time in the unit that keeps its numbers short.
 fn time_unit(times: &[(f64, bool)]) -> (f64, &'static str) {
     let last = times.iter().map(|(time_s, _)| *time_s).fold(0.0, f64::max);
-    if last > 48.0 * 3600.0 {
-        (86_400.0, "time [d]")
-    } else if last > 3.0 * 3600.0 {
-        (3600.0, "time [h]")
-    } else {
-        (1.0, "time [s]")
+    match last {
+        last if last > 72.0 * 3600.0 => (86_400.0, "time [d]"),
+        last if last > 2.0 * 3600.0 => (3600.0, "time [h]"),
+        last if last > 600.0 => (60.0, "time [min]"),
+        _ => (1.0, "time [s]"),
     }
 }
 
@@ -296,7 +311,15 @@ fn strips(job: &str, output: &Output, measurement: &str) -> Figure {
     }
 }
 
-/// Measured and predicted over time for one sensor.
+/// Deviations of rows for fitting (`false`) or held out, root mean square; `None` without any.
+fn rmse(rows: &[Row<&str>], shows: Shows, is_held_out: bool) -> Option<f64> {
+    let own = rows.iter().filter(|row| row.held_out == is_held_out);
+    let squares: Vec<f64> =
+        own.map(|row| row.measured - shows.predicted(row)).filter(|own| own.is_finite()).map(|own| own * own).collect();
+    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+}
+
+/// Measured and predicted over time for one sensor, in all parts of the record to which the measurement belongs.
 pub(in crate::report::section) fn time_history(
     report: &PassReport<'_>,
     job: &str,
@@ -306,44 +329,56 @@ pub(in crate::report::section) fn time_history(
     shows: Shows,
     is_small: bool,
 ) -> Figure {
-    let rows = of_sensor(output, measurement, sensor);
+    let parts = parts(report, output, measurement);
+    let measurement = parts.first().copied().unwrap_or(measurement);
+    let by_part: Vec<Vec<Row<&str>>> = parts.iter().map(|part| of_sensor(output, part, sensor)).collect();
+    let rows = by_part.concat();
     let unit = rows.first().map_or("", |r| r.unit);
     let shown = report.sensor_shown(measurement, sensor, unit);
     let times: Vec<(f64, bool)> = rows.iter().filter_map(|row| Some((row.time_s?, row.held_out))).collect();
     let (per, title) = time_unit(&times);
     let shades = scaled(held_out(times), per);
     let shaded = if shades.is_empty() { "" } else { " The shaded time is held out from every fit." };
+    let point = |row: &Row<&str>| {
+        (row.time_s.unwrap_or(f64::NAN) / per, shown.value(row.measured), shown.value(shows.predicted(row)))
+    };
+    let mut points: Vec<(f64, f64, f64)> = Vec::new();
+    for part in &by_part {
+        // What is no number breaks the line.
+        points.extend((!points.is_empty()).then_some((f64::NAN, f64::NAN, f64::NAN)));
+        points.extend(part.iter().map(point));
+    }
     let data = History {
         x_title: title.into(),
         y_title: shown.title(sensor),
         residual_title: shown.difference().title(if is_small { "dev." } else { "meas. \u{2212} pred." }),
-        points: rows
-            .iter()
-            .map(|r| (r.time_s.unwrap_or(f64::NAN) / per, shown.value(r.measured), shown.value(shows.predicted(r))))
-            .collect(),
+        points,
         held_out: shades,
         limit: output.criteria.each_k.filter(|_| unit == "K"),
         is_small,
     };
-    let summary = output.sensors.iter().find(|s| s.measurement == measurement && s.sensor == sensor);
-    let rmse = summary.map_or(String::new(), |s| {
-        let tuned = s.tuned.as_ref().filter(|_| shows == Shows::Tuned);
-        let (train, held_out) = tuned.map_or((&s.train, &s.held_out), |tuned| (&tuned.train, &tuned.held_out));
-        let mut text = format!(" RMSE {}", shown.difference().text(train.rmse));
-        if held_out.count > 0 {
-            text += &format!(", held out {}", shown.difference().text(held_out.rmse));
-        }
-        text + "."
-    });
+    let text = |value: f64| shown.difference().text(value);
+    let rmse = match (rmse(&rows, shows, false), rmse(&rows, shows, true)) {
+        (Some(train), Some(held_out)) => format!(" RMSE {}, held out {}.", text(train), text(held_out)),
+        (Some(train), None) => format!(" RMSE {}.", text(train)),
+        (None, Some(held_out)) => format!(" RMSE held out {}.", text(held_out)),
+        (None, None) => String::new(),
+    };
+    // Of several measurements or parts the figure names its own.
+    let named =
+        Text::new(format!("Measured and predicted{} over time, sensor ", shows.words(report, output))).code(sensor);
+    let caption = match parts.len() {
+        0 | 1 if !super::has_several(output) => named,
+        0 | 1 => named.plain(" of ").code(measurement),
+        count => named.plain(" of ").code(measurement).plain(format!(", all {count} parts between its gaps")),
+    };
     Figure {
         id: format!("{}{job}-{measurement}-{sensor}-history{}", prefix(is_small), shows.id()),
         drawing: history(&data),
-        caption: Text::new(format!("Measured and predicted{} over time, sensor ", shows.words(output)))
-            .code(sensor)
-            .plain(format!(
-                ".{rmse}{shaded}{}",
-                if data.limit.is_some() { " Dashed: the criterion for one reading." } else { "" }
-            )),
+        caption: caption.plain(format!(
+            ".{rmse}{shaded}{}",
+            if data.limit.is_some() { " Dashed: the criterion for one reading." } else { "" }
+        )),
         alternative: format!("Measured and predicted {sensor} over time, with the residual below.{rmse}{shaded}"),
     }
 }

@@ -4,6 +4,7 @@ use crate::job::design::{Kind, Output};
 use crate::report::headline::MOST_FINDINGS;
 use crate::report::number::{self, NONE};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 use super::conditions;
 
@@ -14,7 +15,7 @@ impl Brief for Design {
     type Kind = Kind;
 
     /// The best candidate, and what must be said of it.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(best) = &output.best {
             let conditions = conditions(output, best.candidate);

@@ -4,6 +4,7 @@ use crate::diagnosis::Output;
 use crate::job::diagnose::Kind;
 use crate::report::number::{self, NONE, significant};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 /// A diagnosis in brief.
 pub(in crate::report::section) struct Diagnosis;
@@ -12,7 +13,7 @@ impl Brief for Diagnosis {
     type Kind = Kind;
 
     /// What must be mended first, then the verdict in words.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         output.before_the_verdict().into_iter().chain(output.words.iter().cloned()).collect()
     }
 

@@ -3,6 +3,7 @@
 use crate::job::discrepancy::{Kind, Output};
 use crate::report::headline::MOST_FINDINGS;
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 /// A discrepancy in brief.
 pub(in crate::report::section) struct Discrepancy;
@@ -10,7 +11,7 @@ pub(in crate::report::section) struct Discrepancy;
 impl Brief for Discrepancy {
     type Kind = Kind;
 
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let mut lines: Vec<String> =
             output.sensors.iter().map(|own| format!("{}: {}", own.sensor, own.law.words())).collect();
         lines.extend(output.findings.iter().take(MOST_FINDINGS).map(|finding| finding.replace('`', "")));

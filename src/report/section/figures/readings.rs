@@ -73,7 +73,7 @@ pub(super) fn figure(report: &PassReport<'_>, name: &str, own: &Readings) -> Res
     let (of, against) = (title(report, measured, own), source_name(report, measured, own.against));
     let chart = Chart { x: Axis::new(x.title(&against)), y: Axis::new(y.title(&of)), layers, ..Chart::default() };
     let deviations: Vec<f64> = points.iter().filter_map(|point| Some(point.read.1 - point.predicted?.1)).collect();
-    let state = if is_tuned { "the tuned model" } else { "the model as delivered" };
+    let state = if is_tuned { "the tuned model".to_owned() } else { format!("the model {}", report.untuned()) };
     let error = spread(&deviations).map_or(String::new(), |[rms, largest]| {
         let shown = y.difference();
         format!(

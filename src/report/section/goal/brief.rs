@@ -4,6 +4,7 @@ use crate::job::goal::{Kind, Output};
 use crate::report::headline::MOST_FINDINGS;
 use crate::report::number::{self, NONE, Shown};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 use super::next_words;
 
@@ -14,7 +15,7 @@ impl Brief for Goal {
     type Kind = Kind;
 
     /// What to do next, and why.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let mut lines = vec![format!("next: {}", next_words(output.advice.next))];
         lines.extend(output.advice.reasons.iter().take(MOST_FINDINGS).cloned());
         lines

@@ -3,6 +3,7 @@
 use crate::job::correlate::{Ended, Kind, Output};
 use crate::report::number::{Shown, fixed};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 /// A correlation in brief.
 pub(in crate::report::section) struct Correlation;
@@ -10,7 +11,7 @@ pub(in crate::report::section) struct Correlation;
 impl Brief for Correlation {
     type Kind = Kind;
 
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let met = if output.ended == Ended::NotMet { "not met" } else { "met" };
         vec![format!(
             "{}: criteria {met}, RMSE {} to {} K, largest {} to {} K",

@@ -4,6 +4,7 @@ use crate::document::counted;
 use crate::job::margins_from_history::{Group, Kind, Output};
 use crate::report::number::{NONE, percent};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 use super::{kelvin, named};
 
@@ -25,7 +26,7 @@ fn line(output: &Output, group: &Group) -> String {
 impl Brief for MarginsFromHistory {
     type Kind = Kind;
 
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         output.groups.iter().take(1).map(|group| line(output, group)).collect()
     }
 

@@ -5,6 +5,7 @@ use crate::report::number::Shown;
 use crate::report::required::Standing;
 use crate::report::section::brief::Brief;
 use crate::report::section::propagation;
+use crate::report::view::JobEntry;
 
 /// A prediction in brief.
 pub(in crate::report::section) struct Prediction;
@@ -13,7 +14,7 @@ impl Brief for Prediction {
     type Kind = Kind;
 
     /// With the posterior, and where the design reached what is required with the priors.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let mut lines = propagation::brief::headline(&output.posterior);
         let design = Shown::written(&output.posterior.design_unit);
         if let Some(name) = &output.posterior.design_variable {

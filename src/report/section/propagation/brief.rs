@@ -6,6 +6,7 @@ use crate::report::number::{self, Shown};
 use crate::report::page::Status;
 use crate::report::required::Standing;
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 use super::{nominal_cases, outcome, standing};
 
@@ -16,7 +17,7 @@ impl Brief for Propagation {
     type Kind = Kind;
 
     /// Probability of each requirement at the nominal design, and where the design reaches what is required.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         headline(output)
     }
 

@@ -4,6 +4,7 @@ use crate::document::counted;
 use crate::job::sensitivity::{Kind, Output};
 use crate::report::number::{self, percent};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 use super::by_total;
 
@@ -17,7 +18,7 @@ impl Brief for Sensitivity {
     type Kind = Kind;
 
     /// The leading parameters of each quantity.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let mut lines = Vec::new();
         for case in &output.cases {
             let place = if output.cases.len() == 1 { String::new() } else { format!(" in {}", case.environment) };

@@ -4,6 +4,7 @@ use crate::document::counted;
 use crate::job::conventional::{Kind, Output};
 use crate::report::number::{NONE, Shown};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 /// A conventional analysis in brief.
 pub(in crate::report::section) struct Sizing;
@@ -12,7 +13,7 @@ impl Brief for Sizing {
     type Kind = Kind;
 
     /// The range of the sizes by rule.
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let design = Shown::written(&output.design_unit);
         let sizes: Vec<f64> = output.sizes.iter().filter_map(|size| size.size).collect();
         let (least, most) = (sizes.iter().copied().reduce(f64::min), sizes.iter().copied().reduce(f64::max));

@@ -4,6 +4,7 @@ use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Output as Diagnosis};
 use crate::document::p_stated;
 use crate::document::visible::shell_word;
+use crate::expression::Unit;
 use crate::job::{calibrate, compare, diagnose, goal, predict, propagate, test_plan};
 use crate::report::ladder;
 use crate::report::number::{self, Shown, signed, significant, with_error, with_unit};
@@ -12,6 +13,7 @@ use crate::report::section::diagnosis::{amount, chance};
 use crate::report::section::problem::limits;
 use crate::report::section::propagation::{nominal_cases, probability_stated, standing};
 use crate::report::section::summary::missing::probability_of_set;
+use crate::report::section::summary::unconverged;
 use crate::report::section::validation::{Rests, claim};
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
@@ -19,15 +21,16 @@ use crate::study::requirement::ALL;
 /// Letters of the rivals' ids that a line of the next step has room for.
 const MOST_LETTERS: usize = 70;
 /// Draws next to a bound, above which a parameter is said to press against it.
-const PRESSES: f64 = 0.05;
+pub(super) const PRESSES: f64 = 0.05;
 /// Probability of so large a misfit by noise alone, below which a tuned model does not explain its data.
 const IMPROBABLE: f64 = 0.005;
 
 /// What came out; none where no result says it.
 pub(super) fn headline(report: &PassReport<'_>) -> Option<Text> {
     let diagnosis = report.outputs::<diagnose::Kind>().next().map(|(_, output)| of_diagnosis(output));
-    let mut parts: Vec<Text> = diagnosis.into_iter().collect();
-    parts.extend(of_error(report, parts.is_empty()));
+    let is_first = diagnosis.is_none();
+    let mut parts: Vec<Text> = unconverged::headline(report).into_iter().chain(diagnosis).collect();
+    parts.extend(of_error(report, is_first));
     parts.extend(of_bounds(report));
     parts.extend(of_requirement(report));
     let mut whole = Text::default();
@@ -150,23 +153,30 @@ fn tuned_before<'r>(report: &'r PassReport<'_>, held_out: bool) -> Option<(&'r s
     Some((before.pass.as_str(), if held_out { tuned.held_out? } else { tuned.train? }))
 }
 
+/// Whether the posterior lies above the middle of the prior: the bound that its draws press against is the upper one.
+fn is_at_upper(summary: &calibrate::ParameterSummary) -> bool {
+    let middle = summary.prior.quantile(0.5);
+    let middle = Unit::parse(&summary.unit).map_or(middle, |unit| unit.from_si(middle));
+    summary.q50 > middle
+}
+
 /// Parameters that press against a bound of their priors.
 fn of_bounds(report: &PassReport<'_>) -> Option<Text> {
-    let pressing: Vec<&String> = (report.outputs::<calibrate::Kind>())
+    // Of draws that are not to be trusted nothing is said.
+    let pressing: Vec<(&String, &calibrate::ParameterSummary)> = (report.outputs::<calibrate::Kind>())
+        .filter(|(_, output)| output.converged)
         .flat_map(|(_, output)| &output.parameters)
         .filter(|(_, summary)| summary.at_bound > PRESSES)
-        .map(|(name, _)| name)
         .collect();
-    let [first, more @ ..] = pressing.as_slice() else { return None };
-    let mut text = Text::default().code(*first);
-    for name in more {
-        text = text.plain(", ").code(*name);
+    let mut text = Text::default();
+    for (position, (name, summary)) in pressing.iter().enumerate() {
+        let verb = if position == 0 { " presses against the " } else { " against the " };
+        text = text.plain(if position == 0 { "" } else { ", " }).code(*name).plain(verb);
+        text = text.plain(if is_at_upper(summary) { "upper" } else { "lower" }).plain(" bound");
     }
-    let verb = if more.is_empty() { " presses" } else { " press" };
-    Some(
-        text.plain(verb)
-            .plain(" against a bound of the prior: relax it with a physical reason, or look for missing physics."),
-    )
+    let of = if pressing.len() > 1 { " of their priors" } else { " of its prior" };
+    (!pressing.is_empty())
+        .then(|| text.plain(of).plain(": relax it with a physical reason, or look for missing physics."))
 }
 
 /// The requirement that is farthest from what is required: after calibration where that was carried on.
@@ -231,6 +241,9 @@ fn leaves_something(report: &PassReport<'_>) -> bool {
 pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
     if report.results.is_empty() {
         return None;
+    }
+    if let Some(mended) = unconverged::next_step(report) {
+        return Some(mended);
     }
     let path = format!("{}/{}", report.study, report.pass_file);
     let command = |verb: &str| format!("bmv {verb} {path}");
@@ -325,6 +338,9 @@ fn last_step(report: &PassReport<'_>) -> Text {
 
 /// What a calibration measured: the parameter of which it taught the most.
 pub(super) fn of_calibration(output: &calibrate::Output) -> Option<Statement> {
+    if !output.converged {
+        return None;
+    }
     let gain = |summary: &calibrate::ParameterSummary| {
         let prior = summary.posterior_prior.as_ref().map_or_else(|| summary.prior.sd(), |prior| prior.sd);
         (summary.sd > 0.0 && prior.is_finite()).then(|| prior / summary.sd)

@@ -3,6 +3,7 @@
 use crate::job::surrogate::{Kind, Output};
 use crate::report::number::{significant, with_unit};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 use super::in_a_line;
 
@@ -12,7 +13,7 @@ pub(in crate::report::section) struct Surrogate;
 impl Brief for Surrogate {
     type Kind = Kind;
 
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         std::iter::once(in_a_line(output).replace('`', "")).chain(output.findings.iter().cloned()).collect()
     }
 

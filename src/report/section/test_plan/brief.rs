@@ -4,6 +4,7 @@ use crate::document::counted;
 use crate::job::test_plan::{Kind, Output};
 use crate::report::number::{NONE, probability};
 use crate::report::section::brief::Brief;
+use crate::report::view::JobEntry;
 
 use super::time;
 
@@ -21,7 +22,7 @@ fn worst(output: &Output) -> Option<(f64, &str, &str)> {
 impl Brief for TestPlan {
     type Kind = Kind;
 
-    fn headline(output: &Output) -> Vec<String> {
+    fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
         let duration = output.duration_s[0].map_or_else(|| "of unknown duration".to_owned(), time);
         let red = worst(output).map_or_else(
             || "no node has red limits".to_owned(),

@@ -1,4 +1,5 @@
 mod between_rows;
 mod dialect;
 mod instant;
+mod map_template;
 mod proposal;

@@ -4,7 +4,7 @@ use bmv::import::logger::proposal::*;
 use bmv::import::logger::{Settings, read};
 
 fn known() -> Known {
-    Known { measured: vec!["box".into(), "panel".into()], inputs: vec!["Q_box".into()] }
+    Known { measured: vec!["box".into(), "panel".into()], inputs: vec!["Q_box".into()], ..Known::default() }
 }
 
 #[test]

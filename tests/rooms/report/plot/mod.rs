@@ -3,4 +3,5 @@ mod canvas;
 mod contours;
 mod heat_map;
 mod layout;
+mod network;
 mod sheet;
