@@ -33,7 +33,7 @@ pub struct LeftOut {
 
 /// Rows to either side of which the median is what a spike stands out from.
 const BESIDE: usize = 4;
-/// Rows to either side whose distances tell how much a channel moves at a time of the record: by day more than by night.
+/// Rows to a side whose distances tell how much a channel moves at a time of the record: by day more than by night.
 const ABOUT: usize = 25;
 /// Share of an input's range, and times its median change from row to row, by which it steps.
 const STEP_SHARE: f64 = 0.2;
@@ -99,9 +99,11 @@ pub fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let resolution = steps.fold(f64::INFINITY, f64::min);
     let of_all = MEDIAN_TO_SD * median(distances.clone()).unwrap_or(0.0);
     let of_all = SPIKE * of_all.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
+    // Of the rows before and after the livelier: a channel begins to move at once.
     let least_at = |at: usize| {
-        let about = &distances[at.saturating_sub(ABOUT)..n.min(at + ABOUT + 1)];
-        of_all.max(SPIKE * MEDIAN_TO_SD * median(about.to_vec()).unwrap_or(0.0))
+        let sides = [&distances[at.saturating_sub(ABOUT)..=at], &distances[at..n.min(at + ABOUT + 1)]];
+        let [before, after] = sides.map(|side| median(side.to_vec()).unwrap_or(0.0));
+        of_all.max(SPIKE * MEDIAN_TO_SD * before.max(after))
     };
     // Where the model jumps and the channel does not, the model is wrong: a start, or a sensor that follows late.
     let jumps = |a: usize, b: usize| {
