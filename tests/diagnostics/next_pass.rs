@@ -17,7 +17,8 @@ const MODEL: &str = r#"{"format": "bmv-network/1", "title": "All kinds",
  "inputs": {"T_plate": {"unit": "degC", "nominal": 17, "range": [-20, 45]}, "T_shroud": {"unit": "K", "nominal": 120, "range": [90, 150]},
             "Q": {"unit": "W", "nominal": 6, "range": [0, 9]}, "p": {"unit": "mbar", "nominal": 0.02, "range": [0.01, 0.03]},
             "i": {"unit": "mA", "nominal": 800, "range": [400, 1200]}, "flux": {"unit": "W/m2", "nominal": 10, "range": [0, 1361.3]},
-            "share": {"unit": "%", "nominal": 50, "range": [0, 100]}, "roll": {"unit": "deg", "nominal": 40, "range": [0, 180]}, "free": {"unit": "s", "nominal": 3}},
+            "share": {"unit": "%", "nominal": 50, "range": [0, 100]}, "roll": {"unit": "deg", "nominal": 40, "range": [0, 180]}, "free": {"unit": "s", "nominal": 3},
+            "T_bay": {"unit": "degC", "nominal": 5, "range": [-10, 20]}},
  "parameters": {"G": {"unit": "W/K", "nominal": 0.6, "prior": {"uniform": [0.3, 0.9]}}},
  "nodes": {"plate": {"boundary": "T_plate"}, "shroud": {"boundary": "T_shroud"}, "box": {"capacity": 900}, "panel": {"capacity": 300},
            "blanket": {}, "detector": {"capacity": 20}},
@@ -35,11 +36,11 @@ const MODEL: &str = r#"{"format": "bmv-network/1", "title": "All kinds",
 const PASS: &str = r#"{"format": "bmv-pass/1", "title": "Bench, pass 1: as delivered", "parent": null, "model": "model.json", "seed": 7,
  "measurements": {
    "balance": {"steady": {"file": "data/balance.csv", "inputs": {"T_plate": {"value": 17, "unit": "degC"}, "T_shroud": 120, "p": {"value": 0.02, "unit": "mbar"}, "i": {"value": 800, "unit": "mA"},
-       "flux": {"value": 10, "unit": "W/m2"}, "share": {"value": 50, "unit": "%"}, "roll": {"value": 40, "unit": "deg"}, "free": {"value": 3, "unit": "s"}}, "sensors": {
+       "flux": {"value": 10, "unit": "W/m2"}, "share": {"value": 50, "unit": "%"}, "roll": {"value": 40, "unit": "deg"}, "free": {"value": 3, "unit": "s"}, "T_bay": {"value": 5, "unit": "degC"}}, "sensors": {
      "TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}, "TC panel": {"measures": "panel", "sigma": {"value": 0.25, "unit": "K"}},
      "TC detector": {"measures": "detector", "sigma": {"value": 0.25, "unit": "K"}}}}},
    "run": {"transient": {"file": "data/run.csv", "inputs": {"T_plate": {"value": 17, "unit": "degC"}, "T_shroud": 120, "p": {"value": 0.02, "unit": "mbar"}, "i": {"value": 800, "unit": "mA"},
-       "flux": {"value": 10, "unit": "W/m2"}, "share": {"value": 50, "unit": "%"}, "roll": {"value": 40, "unit": "deg"}, "free": {"value": 3, "unit": "s"}}, "initial": {"temperatures": {"all": {"value": 17, "unit": "degC"}}},
+       "flux": {"value": 10, "unit": "W/m2"}, "share": {"value": 50, "unit": "%"}, "roll": {"value": 40, "unit": "deg"}, "free": {"value": 3, "unit": "s"}, "T_bay": {"value": 5, "unit": "degC"}}, "initial": {"temperatures": {"all": {"value": 17, "unit": "degC"}}},
      "sensors": {"TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}}}}},
  "jobs": {"tuned": {"calibrate": {"draws": 1e3, "parameters": ["G"]}}, "fit": {"compare": {"criteria": "precision-1k"}}, "missing": {"diagnose": {"false_alarm": 5e-3}}}}
 "#;

@@ -19,7 +19,8 @@ pub fn model() -> Model {
     let pressure = b.input("p", 2.0);
     let current = b.input("i", 0.8);
     b.input("angle", 0.7);
-    for (input, unit) in ["K", "K", "W", "Pa", "A", "deg"].into_iter().enumerate() {
+    b.input("T_bay", 260.0);
+    for (input, unit) in ["K", "K", "W", "Pa", "A", "deg", "K"].into_iter().enumerate() {
         b.model.inputs[input].unit = unit.into();
         b.model.inputs[input].range = Some([0.5 * b.model.inputs[input].nominal, 1.5 * b.model.inputs[input].nominal]);
     }
@@ -160,6 +161,8 @@ fn every_effect_has_a_place_here() {
     let mass = find("thermal-mass:box");
     assert_eq!((mass.steady, mass.transient), (false, true), "steady phases see no capacity");
     assert!(!all.iter().any(|c| c.id == "conductive-path:plate:shroud"), "two boundaries exchange nothing of use");
+    let logged = all.iter().filter(|c| c.effect == "path-to-logged-temperature");
+    assert!(logged.map(|c| c.input.as_deref()).all(|input| input == Some("T_bay")), "boundaries have their own path");
     assert!(!all.iter().any(|c| c.effect == "gas-conduction" && c.input.as_deref() != Some("p")));
 }
 
@@ -262,7 +265,7 @@ fn pairs_exchange_heat_and_make_none() {
 
 fn evaluate(graph: &Graph, id: bmv::expression::ExprId, parameters: &[f64]) -> f64 {
     // The last is the date at which what is dated sets in: half of it is there.
-    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8, 0.7, 129_600.0];
+    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8, 0.7, 260.0, 129_600.0];
     graph.evaluate(id, &|symbol| match symbol {
         Symbol::Parameter(index) => parameters[index as usize],
         Symbol::Input(index) => inputs[index as usize],
@@ -287,6 +290,7 @@ fn heats_follow_their_equations() {
         ("gas-conduction:box:panel:p", 1.0 * 2.0 * (cabinet - panel)),
         ("convection:box:panel", 0.1 * (cabinet - panel) * (panel - cabinet).sqrt().sqrt()),
         ("path-to-ambient:box", 0.1 * (cabinet - ambient)),
+        ("path-to-logged-temperature:box:T_bay", 0.1 * (260.0 - cabinet)),
         ("radiation-to-ambient:box", sigma * 1e-2 * (fourth(cabinet) - fourth(ambient))),
         ("free-convection:box", 0.5 * (cabinet - ambient) * (ambient - cabinet).sqrt().sqrt()),
         ("heat-load:box", 0.5),

@@ -1,7 +1,7 @@
 //! Readings that are faults of the data: spikes, drop-outs and channels that froze. They are found, said and left out.
 //!
 //! In a transient a spike is a reading, or a few, whose error jumps away from that of the rows about it and back; a drop-out
-//! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays. In steady
+//! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays, or where an input steps. In steady
 //! phases a channel stuck that shows one value in more of them than noise allows. Otherwise no row has a neighbour there: a
 //! reading is a fault where a set of effects explains all but a few readings, and these
 //! not at all.
@@ -14,7 +14,7 @@ use crate::document::code::OUTLYING;
 use crate::document::counted;
 use crate::inference::likelihood::HALF_LN_TAU;
 use crate::math::functions::{ln, pow, sqrt};
-use crate::measurement::{Doubt, Measurement, Rows};
+use crate::measurement::{Doubt, InputColumn, InputTable, Measurement, Rows};
 use crate::statistics::quantile::quantile_sorted;
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,14 @@ pub struct LeftOut {
 
 /// Rows to either side of which the median is what a spike stands out from.
 const BESIDE: usize = 4;
+/// Rows to a side whose distances tell how much a channel moves at a time of the record: by day more than by night.
+const ABOUT: usize = 25;
+/// Share of an input's range, and times its median change from row to row, by which it steps.
+const STEP_SHARE: f64 = 0.2;
+const STEP_TIMES: f64 = 10.0;
+/// Rows before and after a step of an input in which a reading may rightly jump and come back.
+const BEFORE_STEP: usize = 1;
+const AFTER_STEP: usize = 2;
 /// Least height of a spike, in robust standard deviations of such distances: normal noise has one of it in 10^15 readings.
 const SPIKE: f64 = 8.0;
 /// Share of its height to which a spike comes back.
@@ -85,16 +93,22 @@ pub fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
         let before = errors[at.saturating_sub(BESIDE)..at].iter();
         median(before.chain(&errors[until..n.min(until + BESIDE)]).copied().collect()).unwrap_or(0.0)
     };
-    let distances = (0..n).map(|at| (errors[at] - beside(at, at + 1)).abs()).collect();
+    let distances: Vec<f64> = (0..n).map(|at| (errors[at] - beside(at, at + 1)).abs()).collect();
     let steps = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
     // A channel that shows whole steps does not stand out by one.
     let resolution = steps.fold(f64::INFINITY, f64::min);
-    let scale = MEDIAN_TO_SD * median(distances).unwrap_or(0.0);
-    let least = SPIKE * scale.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
+    let of_all = MEDIAN_TO_SD * median(distances.clone()).unwrap_or(0.0);
+    let of_all = SPIKE * of_all.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
+    // Of the rows before and after the livelier: a channel begins to move at once.
+    let least_at = |at: usize| {
+        let sides = [&distances[at.saturating_sub(ABOUT)..=at], &distances[at..n.min(at + ABOUT + 1)]];
+        let [before, after] = sides.map(|side| median(side.to_vec()).unwrap_or(0.0));
+        of_all.max(SPIKE * MEDIAN_TO_SD * before.max(after))
+    };
     // Where the model jumps and the channel does not, the model is wrong: a start, or a sensor that follows late.
     let jumps = |a: usize, b: usize| {
         let jump = errors[b] - errors[a];
-        jump.abs() > least && (readings[b] - readings[a]) / jump > LEAST_OF_JUMP
+        jump.abs() > of_all && (readings[b] - readings[a]) / jump > LEAST_OF_JUMP && jump.abs() > least_at(b)
     };
     let most = (MOST_OF_TRANSIENT * n as f64) as usize;
     let mut spike_rows = Vec::new();
@@ -107,6 +121,7 @@ pub fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
         // A longer stretch would be more than the share that is allowed.
         let frozen = readings[at..].iter().take(most).take_while(|value| **value == readings[at]).count();
         let longest = frozen.max(LONGEST_SPIKE);
+        let least = least_at(at);
         // It comes back to where it was.
         let is_back = |until: &usize| {
             let level = beside(at, *until);
@@ -124,6 +139,28 @@ pub fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
         }
     }
     if spike_rows.len() > most { Vec::new() } else { spike_rows }
+}
+
+/// Rows at which an input steps: it changes by much of its range, and by far more than it does from row to row otherwise.
+pub fn input_steps(inputs: &InputTable) -> Vec<usize> {
+    let of_column = |column: &InputColumn| -> Vec<usize> {
+        let changes: Vec<f64> = column.values.windows(2).map(|two| (two[1] - two[0]).abs()).collect();
+        let [least, most] = (column.values.iter())
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], &value| [value.min(least), value.max(most)]);
+        let usual = median(changes.clone()).unwrap_or(0.0);
+        let is_step = |change: f64| change > STEP_SHARE * (most - least) && change > STEP_TIMES * usual;
+        (0..changes.len()).filter(|&row| is_step(changes[row])).map(|row| row + 1).collect()
+    };
+    let mut rows: Vec<usize> = inputs.columns.iter().flat_map(of_column).collect();
+    rows.sort_unstable();
+    rows.dedup();
+    rows
+}
+
+/// Whether a row is near one of these, which ascend.
+fn is_near_step(steps: &[usize], row: usize) -> bool {
+    let next = steps.partition_point(|&step| step + AFTER_STEP < row);
+    steps.get(next).is_some_and(|&step| step <= row + BEFORE_STEP)
 }
 
 /// Positions of readings in stretches of one value that are far longer than others of the channel, while the model moves: the
@@ -239,7 +276,13 @@ impl Problem {
                 let sd = measurement.sensors[series_errors[0].sensor].total_sd();
                 stuck(&errors, &readings, sd, step_of(series_errors[0].measurement))
             } else {
-                [spikes(&errors, &readings), frozen(&errors, &readings)].concat()
+                // What jumps as an input steps may be the answer of the hardware.
+                let mut spike_rows = spikes(&errors, &readings);
+                if let Rows::Transient { inputs, .. } = &measurement.rows {
+                    let steps = input_steps(inputs);
+                    spike_rows.retain(|&at| !is_near_step(&steps, series_errors[at].row));
+                }
+                [spike_rows, frozen(&errors, &readings)].concat()
             };
             faulty.sort_unstable();
             faulty.dedup();

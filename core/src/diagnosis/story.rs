@@ -15,8 +15,9 @@ pub(crate) const SINGLE_PLACE: f64 = 3.0;
 /// Share of the gain of a step in log odds within which effects explain as much as one another.
 const ALIKE_SHARE: f64 = 0.1;
 /// Share of what an effect of a hundred times the plausible size explains, in squares of errors, that one of plausible size
-/// has to explain to go before it.
+/// has to explain to go before it; and where it predicts unseen rows clearly better.
 const EXPLAINS_ALIKE: f64 = 0.95;
+const EXPLAINS_MOST: f64 = 0.8;
 /// Log odds by which the former then stands behind.
 const IMPLAUSIBLE: f64 = 1.0;
 /// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
@@ -121,10 +122,11 @@ fn goes_before(state: &State, at: usize, plausible: usize, other: usize) -> bool
 }
 
 /// Whether a set explains nearly as much as another, from the sums of squares without both, with it and with the other, and
-/// errs no more on unseen rows: the errors of the other and of it there.
+/// errs no more on unseen rows: the errors of the other and of it there. Where it errs clearly less there, it may explain less.
 pub fn serves_as_well([without, with, with_other]: [f64; 3], errors: [Option<f64>; 2]) -> bool {
-    without - with >= EXPLAINS_ALIKE * (without - with_other)
-        && !matches!(errors, [Some(other), Some(own)] if own > other)
+    let predicts_better = matches!(errors, [Some(_), Some(_)]) && falls(errors);
+    let share = if predicts_better { EXPLAINS_MOST } else { EXPLAINS_ALIKE };
+    without - with >= share * (without - with_other) && !matches!(errors, [Some(other), Some(own)] if own > other)
 }
 
 /// Whether a set that adds an effect to another is more probable, and the unseen rows do not speak against it. After the first step the

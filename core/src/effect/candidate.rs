@@ -393,19 +393,23 @@ fn bindings(effect: &Effect, model: &Model, nodes: &[usize]) -> Vec<Vec<Bound>> 
     all
 }
 
-/// Choices without those that are the same twice: a boundary whose temperature is an input, and that input. A sensor sees
-/// the node, everything else the input.
-fn without_doubles(model: &Model, choices: &[Bound], of_sensor: bool) -> Vec<Bound> {
-    let same = |node: usize, input: usize| match model.nodes[node].kind {
+/// Whether a node is a boundary whose temperature is an input.
+fn is_boundary_input(model: &Model, node: usize, input: usize) -> bool {
+    match model.nodes[node].kind {
         NodeKind::Boundary { temperature } => {
             model.graph.term(temperature) == crate::expression::Term::Symbol(Bound::Input(input).symbol())
         }
         NodeKind::Diffusion { .. } | NodeKind::Arithmetic => false,
-    };
+    }
+}
+
+/// Choices without those that are the same twice: a boundary whose temperature is an input, and that input. A sensor sees
+/// the node, everything else the input.
+fn without_doubles(model: &Model, choices: &[Bound], of_sensor: bool) -> Vec<Bound> {
     let is_double = |choice: &Bound| {
         choices.iter().any(|other| match (*choice, *other) {
-            (Bound::Input(input), Bound::Node(node)) => of_sensor && same(node, input),
-            (Bound::Node(node), Bound::Input(input)) => !of_sensor && same(node, input),
+            (Bound::Input(input), Bound::Node(node)) => of_sensor && is_boundary_input(model, node, input),
+            (Bound::Node(node), Bound::Input(input)) => !of_sensor && is_boundary_input(model, node, input),
             _ => false,
         })
     };
@@ -421,9 +425,10 @@ impl EffectInputForm {
             let [first, last] = bound.range(model);
             return self.date && model.date == Some(input) && self.least_span.is_none_or(|span| last - first >= span);
         }
+        let is_boundary = |input: usize| (0..model.nodes.len()).any(|node| is_boundary_input(model, node, input));
         let (allowed, dimension) = match bound {
             Bound::Node(_) => (self.temperature && !self.date, None),
-            Bound::Input(_) => (self.input, Some(bound.dimension(model))),
+            Bound::Input(input) => (self.input && (self.boundary || !is_boundary(input)), Some(bound.dimension(model))),
         };
         let fits = match (&self.unit, dimension) {
             (Some(units), Some(dimension)) => (units.0.iter())

@@ -14,6 +14,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("gas-conduction", include_str!("catalogue/gas-conduction.json")),
     ("convection", include_str!("catalogue/convection.json")),
     ("path-to-ambient", include_str!("catalogue/path-to-ambient.json")),
+    ("path-to-logged-temperature", include_str!("catalogue/path-to-logged-temperature.json")),
     ("radiation-to-ambient", include_str!("catalogue/radiation-to-ambient.json")),
     ("free-convection", include_str!("catalogue/free-convection.json")),
     ("heat-load", include_str!("catalogue/heat-load.json")),

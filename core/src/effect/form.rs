@@ -121,6 +121,8 @@ written_struct! {
         default(false) temperature: bool,
         /// Whether an input of the model may be bound.
         default(true) input: bool,
+        /// Whether an input may be bound that is the temperature of a boundary.
+        default(true) boundary: bool,
         /// Whether it says when: the number of a steady phase from 1 on, or what to add to `t` in a transient. It is bound by itself.
         default(false) date: bool,
         /// Of a date: the effect is tried where the measured time spans at least this many seconds.

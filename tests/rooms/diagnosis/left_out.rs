@@ -1,8 +1,9 @@
 //! Tests of `core/src/diagnosis/left_out.rs`.
 
-use bmv::diagnosis::left_out::{frozen, spikes, stuck};
+use bmv::diagnosis::left_out::{frozen, input_steps, spikes, stuck};
 use bmv::math::functions::{exp, sin};
 use bmv::random::StreamKey;
+use bmv::thermal::{InputColumn, InputTable};
 
 /// A slow error of 3 K, noise of 0.1 K.
 fn errors(n: usize) -> Vec<f64> {
@@ -29,6 +30,33 @@ fn spikes_and_drop_outs_are_found_and_nothing_else() {
     assert_eq!(spikes(&bad, &shown), expected);
     // The same errors of a model that jumps: the channel is right.
     assert!(spikes(&bad, &readings).is_empty());
+}
+
+/// Quiet nights, and days on which clouds move the channel by kelvins from row to row.
+#[test]
+fn a_channel_that_moves_more_at_times_has_no_spikes_there_but_a_spike_stands_out() {
+    let mut stream = StreamKey::new(9, "test", "days").stream(0);
+    let mut errors: Vec<f64> =
+        (0..900).map(|k| if (k / 100) % 3 == 1 { 2.0 * stream.normal() } else { 0.05 * stream.normal() }).collect();
+    let readings = |errors: &[f64]| -> Vec<f64> { errors.iter().map(|error| 300.0 + error).collect() };
+    assert!(spikes(&errors, &readings(&errors)).is_empty());
+    errors[450] += 40.0;
+    errors[250] += 4.0;
+    assert_eq!(spikes(&errors, &readings(&errors)), [250, 450]);
+}
+
+#[test]
+fn an_input_that_switches_steps_and_one_that_always_changes_does_not() {
+    let mut stream = StreamKey::new(10, "test", "steps").stream(0);
+    let column = |values: Vec<f64>| InputColumn { input: 0, values, hold: true };
+    let of = |values: Vec<f64>| {
+        let times_s = (0..values.len()).map(|row| row as f64).collect();
+        input_steps(&InputTable { times_s, columns: vec![column(values)], base: vec![0.0] })
+    };
+    let switched = (0..100).map(|row| if (40..43).contains(&row) { 1.0 } else { 0.0 }).collect();
+    assert_eq!(of(switched), [40, 43]);
+    assert!(of((0..100).map(|_| stream.normal()).collect()).is_empty());
+    assert!(of((0..100).map(f64::from).collect()).is_empty());
 }
 
 #[test]

@@ -2,11 +2,14 @@
 
 use bmv::diagnosis::story::{Weighed, falls, rises, serves_as_well};
 
-/// 95 % of what the other explains, and no larger error on unseen rows.
+/// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
 #[test]
 fn an_effect_of_plausible_size_has_to_explain_nearly_as_much_and_to_predict_no_worse() {
-    assert!(serves_as_well([100.0, 5.9, 1.0], [Some(0.6), Some(0.5)]));
-    assert!(!serves_as_well([100.0, 6.0, 1.0], [Some(0.6), Some(0.5)]), "94 of 99");
+    assert!(serves_as_well([100.0, 5.9, 1.0], [Some(0.51), Some(0.5)]));
+    assert!(!serves_as_well([100.0, 6.0, 1.0], [Some(0.51), Some(0.5)]), "94 of 99");
+    assert!(serves_as_well([100.0, 20.0, 1.0], [Some(0.6), Some(0.5)]), "it predicts clearly better");
+    assert!(!serves_as_well([100.0, 21.0, 1.0], [Some(0.6), Some(0.5)]), "79 of 99");
+    assert!(!serves_as_well([100.0, 20.0, 1.0], [None, None]));
     assert!(!serves_as_well([100.0, 5.9, 1.0], [Some(0.5), Some(0.6)]), "it predicts worse");
     assert!(serves_as_well([100.0, 5.9, 1.0], [None, None]), "nothing is held out");
 }

@@ -29,6 +29,10 @@ const CONDITIONS: usize = 256;
 const NEARBY: usize = 64;
 /// Most inputs whose corners are all tried.
 const MOST_CORNERS: usize = 7;
+/// A phase in which a sensor would read so much more than any did, K, is not proposed: where a conductance is extrapolated to
+/// nothing, the model has no meaning.
+const MEANINGLESS_K: f64 = 1000.0;
+const ROOM_K: f64 = 293.15;
 /// Most rivals that are considered.
 const MOST_RIVALS: usize = 5;
 
@@ -286,6 +290,8 @@ fn judge(
     let predicted =
         predictor.predict(&mut predictor.workspace(), &at_conditions(template, conditions), &full).temperatures;
     let nodes = rivals[0].problem.model.nodes.len();
+    let is_temperature = |sensor: usize| problem.model.quantities[template.sensors[sensor].quantity].is_temperature;
+    let warmest = warmest_reading(problem);
     let mut judged = Vec::new();
     for (number, inputs) in conditions.iter().enumerate() {
         watch::check();
@@ -322,14 +328,25 @@ fn judge(
             }
             readings
         };
-        judged.push(Judged {
-            inputs: inputs.clone(),
-            squares,
-            within_limits: within,
-            predictions: all.iter().map(reading).collect(),
-        });
+        let predictions: Vec<Vec<f64>> = all.iter().map(reading).collect();
+        let is_meaningless =
+            |(sensor, value): (usize, &f64)| is_temperature(sensor) && *value > warmest + MEANINGLESS_K;
+        if predictions.iter().any(|readings| readings.iter().enumerate().any(is_meaningless)) {
+            continue;
+        }
+        judged.push(Judged { inputs: inputs.clone(), squares, within_limits: within, predictions });
     }
     Some(judged)
+}
+
+/// The highest temperature that was read, K; that of a room where none was.
+fn warmest_reading(problem: &Problem) -> f64 {
+    let readings = problem.measurements.iter().flat_map(|own| {
+        let of_temperature = |&sensor: &usize| problem.model.quantities[own.sensors[sensor].quantity].is_temperature;
+        let sensors = (0..own.sensors.len()).filter(of_temperature);
+        sensors.flat_map(move |sensor| (0..own.len()).filter_map(move |row| own.reading(row, sensor)))
+    });
+    readings.fold(ROOM_K, f64::max)
 }
 
 fn ordered(likelihood: &Likelihood, fit: &Refit) -> Option<Vec<f64>> {

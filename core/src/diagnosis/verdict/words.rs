@@ -269,6 +269,11 @@ fn ends(step: &StoryStep) -> Option<String> {
     if step.effect.is_some() {
         return None;
     }
+    if let Some(next) = step.alternatives.first().filter(|_| step.probability < 0.5) {
+        return Some(format!(
+            "No further step is taken: {next} would be more probable than nothing on the fitted rows, but the unseen rows are not predicted better with it."
+        ));
+    }
     let next = step.alternatives.first().map_or_else(String::new, |next| format!(" The next would be {next}."));
     Some(format!(
         "No further step is taken: with a probability of {} no effect is to be added.{next}",
