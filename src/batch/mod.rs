@@ -27,4 +27,4 @@ pub use executed::{Executed, is_judge};
 pub use history::history;
 pub use load::{Loaded, LoadedPass, Reading, RefusedJob, load, load_with_seed, parents, passes};
 pub use prepared::{NotThere, Prepared, prepare};
-pub use view::{document, view, without_rows};
+pub use view::{Document, document, view, without_rows};

@@ -1,5 +1,7 @@
 //! The report's view of a pass whose jobs have run.
 
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::archive::study_name;
@@ -69,10 +71,46 @@ pub fn without_rows(report: &mut PassReport<'_>) {
     }
 }
 
+/// A job's result for other programs. Its single readings are made as they are written, so that they are in memory one at a
+/// time.
+pub struct Document<'r> {
+    json: Value,
+    readings: Option<Readings<'r>>,
+}
+
+/// The single readings of a job that has some.
+struct Readings<'r>(&'r JobEntry);
+
+/// Their name in a document.
+const ROWS: &str = "rows";
+
+impl Serialize for Readings<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.output.rows().into_iter().flatten())
+    }
+}
+
+impl Serialize for Document<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (Value::Object(entries), Some(readings)) = (&self.json, &self.readings) else {
+            return self.json.serialize(serializer);
+        };
+        // In their place by the alphabet, as the others stand.
+        let (before, after): (Vec<_>, Vec<_>) = entries.iter().partition(|(name, _)| name.as_str() < ROWS);
+        let mut map = serializer.serialize_map(Some(entries.len() + 1))?;
+        before.into_iter().try_for_each(|(name, value)| map.serialize_entry(name, value))?;
+        map.serialize_entry(ROWS, readings)?;
+        after.into_iter().try_for_each(|(name, value)| map.serialize_entry(name, value))?;
+        map.end()
+    }
+}
+
 /// A job's result for other programs; `with_rows` keeps the single readings.
 ///
 /// # Errors
 /// A result that cannot be written as JSON.
-pub fn document(job: &JobEntry, with_rows: bool) -> Result<Value, BatchError> {
-    job.output.document(with_rows).map_err(|error| BatchError::job(format!("{}: {error}", job.name)))
+pub fn document(job: &JobEntry, with_rows: bool) -> Result<Document<'_>, BatchError> {
+    let json = job.output.document(with_rows).map_err(|error| BatchError::job(format!("{}: {error}", job.name)))?;
+    let has_rows = with_rows && job.output.rows().is_some();
+    Ok(Document { json, readings: has_rows.then_some(Readings(job)) })
 }

@@ -2,7 +2,7 @@
 //! nothing in it steers the terminal: this is held here, for all verbs.
 
 use std::borrow::Cow;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use serde::Serialize;
@@ -67,13 +67,29 @@ pub fn or_no_reader(written: io::Result<()>) -> io::Result<()> {
     written.or_else(|error| if error.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
 }
 
-/// Prints one JSON document.
+/// Prints one JSON document, piece by piece as it is made.
 ///
 /// # Errors
 /// As [`print()`].
 pub fn print_json(value: &impl Serialize) -> io::Result<()> {
-    let text = serde_json::to_string_pretty(value).map_err(io::Error::other)?;
-    print(&format!("{}\n", escaped_json(&text)))
+    let mut out = EscapedJson(BufWriter::new(io::stdout().lock()));
+    let written = serde_json::to_writer_pretty(&mut out, value).map_err(io::Error::from);
+    or_no_reader(written.and_then(|()| out.0.write_all(b"\n")).and_then(|()| out.0.flush()))
+}
+
+/// JSON on its way out, whose hidden characters are written as escapes. It comes in pieces of whole characters.
+struct EscapedJson<W>(W);
+
+impl<W: Write> Write for EscapedJson<W> {
+    fn write(&mut self, piece: &[u8]) -> io::Result<usize> {
+        let text = std::str::from_utf8(piece).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
+        self.0.write_all(escaped_json(text).as_bytes())?;
+        Ok(piece.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// Tells something on standard error; a closed one is no error.

@@ -1,15 +1,15 @@
 //! `bmv show`.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-
-use serde_json::{Map, Value};
 
 use super::execute::{prepare, run};
 use super::options::{RequireOption, RunOptions};
 use super::output::{escaped, print, print_json, tell};
 use super::status::{Failure, Status};
 use super::{Context, select};
-use crate::batch::{self, Loaded, NotThere};
+use crate::batch::{self, Document, Executed, Loaded, NotThere};
+use crate::report::PassReport;
 use crate::report::section::{CALIBRATION, SUMMARY, results};
 use crate::report::terminal;
 use crate::runner::cluster::overview::Overview;
@@ -53,15 +53,11 @@ impl Show {
         let cache = self.options.cache.cache(prepared.passes());
         let not_there = if may_run { Vec::new() } else { prepared.leave_out_missing(&cache) };
         let executed = run(prepared, &self.options, context)?;
-        let mut documents = Map::new();
-        for pass in &executed.passes {
+        if self.json {
+            self.print_documents(&executed)?;
+        }
+        for pass in executed.passes.iter().filter(|_| !self.json) {
             let mut report = batch::view(pass, &executed)?;
-            if self.json {
-                for entry in &report.results {
-                    documents.insert(entry.name.clone(), batch::document(entry, true)?);
-                }
-                continue;
-            }
             batch::without_rows(&mut report);
             let summary = self.job.is_none().then_some(SUMMARY).filter(|_| !report.results.is_empty());
             let sections = summary.into_iter().chain(results()).chain([CALIBRATION]);
@@ -76,19 +72,28 @@ impl Show {
                 tell(&format!("figures and all numbers: bmv report {}", escaped(&pass.shown)));
             }
         }
-        if self.json {
-            match self.job.as_ref().map(|job| documents.remove(job)) {
-                None => print_json(&Value::Object(documents))?,
-                Some(Some(document)) => print_json(&document)?,
-                Some(None) => {}
-            }
-        }
         tell_not_there(&not_there);
         let status = Status::of_wanted(&executed);
         if status == Status::Done && !not_there.is_empty() {
             return Ok(Status::WrongInput);
         }
         self.require.judge(&executed, status)
+    }
+
+    /// Prints what was found for other programs.
+    fn print_documents(&self, executed: &Executed) -> Result<(), Failure> {
+        let reports: Vec<PassReport<'_>> =
+            executed.passes.iter().map(|pass| batch::view(pass, executed)).collect::<Result<_, _>>()?;
+        let mut documents: BTreeMap<&str, Document<'_>> = BTreeMap::new();
+        for entry in reports.iter().flat_map(|report| &report.results) {
+            documents.insert(&entry.name, batch::document(entry, true)?);
+        }
+        match self.job.as_ref().map(|job| documents.get(job.as_str())) {
+            None => print_json(&documents)?,
+            Some(Some(document)) => print_json(document)?,
+            Some(None) => {}
+        }
+        Ok(())
     }
 }
 

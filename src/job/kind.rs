@@ -58,12 +58,17 @@ pub trait JobKind: Sync + 'static {
     /// A definition of which no job can be made.
     fn ready(spec: &Self::Spec, shared: &Shared, name: &str) -> Result<Readiness, JobError>;
 
-    /// The result for other programs; `with_rows` keeps single readings.
+    /// The result for other programs, without what [`JobKind::rows`] gives; `with_rows` keeps what else is long.
     ///
     /// # Errors
     /// A result that cannot be written as JSON.
     fn document(output: &Self::Output, _with_rows: bool) -> Result<Value, JobError> {
         serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))
+    }
+
+    /// The single readings of the result, where it has some: `rows` of its document.
+    fn rows(_output: &Self::Output) -> Option<Box<dyn Iterator<Item = Value> + '_>> {
+        None
     }
 
     /// The arrays of the result, each with a name, whose numbers stand beside its JSON.
@@ -182,6 +187,8 @@ pub trait AnyOutput: fmt::Debug + Send + Sync {
     /// # Errors
     /// A result that cannot be written as JSON.
     fn document(&self, with_rows: bool) -> Result<Value, JobError>;
+    /// See [`JobKind::rows`].
+    fn rows(&self) -> Option<Box<dyn Iterator<Item = Value> + '_>>;
     /// See [`JobKind::arrays`].
     fn arrays(&self) -> Vec<(String, Array)>;
     /// See [`JobKind::key_numbers`].
@@ -214,6 +221,10 @@ impl<K: JobKind> AnyOutput for OutputOf<K> {
 
     fn document(&self, with_rows: bool) -> Result<Value, JobError> {
         K::document(&self.0, with_rows)
+    }
+
+    fn rows(&self) -> Option<Box<dyn Iterator<Item = Value> + '_>> {
+        K::rows(&self.0)
     }
 
     fn arrays(&self) -> Vec<(String, Array)> {

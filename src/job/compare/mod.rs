@@ -27,7 +27,7 @@ pub use view::view;
 
 use std::sync::Arc;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::document::Place;
 use crate::job::JobError;
@@ -71,8 +71,12 @@ impl JobKind for Kind {
         resolve::show_calibrations(jobs, forms);
     }
 
-    fn document(output: &Output, with_rows: bool) -> Result<Value, JobError> {
-        Ok(view(output, with_rows))
+    fn document(output: &Output, _with_rows: bool) -> Result<Value, JobError> {
+        Ok(view(output))
+    }
+
+    fn rows(output: &Output) -> Option<Box<dyn Iterator<Item = Value> + '_>> {
+        Some(Box::new(output.rows.iter().map(|row| json!(row))))
     }
 
     fn arrays(output: &Output) -> Vec<(String, Array)> {

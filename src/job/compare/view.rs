@@ -12,9 +12,9 @@ use super::readings::Row;
 /// `sensors` goes by name. A name that occurs in several measurements is one sensor: its statistics are over the rows of
 /// all of them, as whoever groups `rows` by sensor finds them; where its readings have different units it cannot be one,
 /// and each stands apart as `MEASUREMENT/NAME`. `measurements` has the same for each measurement alone. What has no
-/// readings is null. `rows` is left out without `with_rows`.
-pub fn view(output: &Output, with_rows: bool) -> Value {
-    let mut document = json!({
+/// readings is null. The readings themselves, `rows`, are not in it.
+pub fn view(output: &Output) -> Value {
+    json!({
         "state": output.state,
         "parameters": output.parameters.iter().map(|(name, unit, value)| {
             // The value is SI, the unit the one in which the study writes it.
@@ -43,11 +43,7 @@ pub fn view(output: &Output, with_rows: bool) -> Value {
         "failed": output.failed,
         "unused_columns": output.unused_columns,
         "warnings": output.warnings,
-    });
-    if with_rows {
-        document["rows"] = json!(output.rows.iter().collect::<Vec<_>>());
-    }
-    document
+    })
 }
 
 /// Statistics of some readings, null where there are none.
