@@ -3,10 +3,10 @@
 //!
 //! usage: panel REPEATS NODE...
 
-#[allow(dead_code)]
+#[allow(dead_code, clippy::unwrap_used)]
 #[path = "../../tests/verification/build.rs"]
 mod build;
-#[allow(dead_code)]
+#[allow(dead_code, clippy::unwrap_used)]
 #[path = "../../tests/verification/orbit.rs"]
 mod orbit;
 

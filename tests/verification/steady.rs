@@ -289,7 +289,7 @@ fn factors_that_serve_several_steps_lead_to_the_exact_enclosure() {
         let exchange = b.n(outside);
         b.radiation(&format!("s{i}"), [nodes[i], space], exchange);
         balances[(i, i)] += sigma * outside;
-        heats[i] += sigma * outside * 80.0_f64.powi(4);
+        heats[i] += sigma * outside * (80.0 * 80.0 * 80.0 * 80.0);
         for j in 0..i {
             let exchange = b.n(area(i, j));
             b.radiation(&format!("r{i}-{j}"), [nodes[i], nodes[j]], exchange);
