@@ -187,6 +187,32 @@ fn no_requirement_is_called_met_by_a_model_that_fails_its_test() {
     }
 }
 
+/// Two readings that no conductance explains at once: 0.6 and 1.2 K off by a noise of 0.1 K, within criteria of 3 K.
+#[test]
+fn no_requirement_is_called_met_by_a_tuned_model_that_does_not_explain_its_data() {
+    let root = plate();
+    let pass = root.path().join("plate/pass-1.json");
+    let written = fs::read_to_string(&pass).unwrap();
+    let sure = written
+        .replace(r#""below": {"value": 41"#, r#""below": {"value": 60"#)
+        .replace(r#""held_out": {"phases": ["P2"]}"#, r#""inputs": {}"#)
+        .replace(
+            r#""prior": {"propagate": {"samples": 64}},"#,
+            r#""tuned": {"calibrate": {"draws": 500}}, "flight": {"predict": {"from": "tuned", "samples": 256}},"#,
+        );
+    for (sigma, verdict) in [("0.1", "no claim: the tuned model does not explain its data"), ("2", "met")] {
+        fs::write(&pass, sure.replace(r#""sigma": {"value": 0.5"#, &format!(r#""sigma": {{"value": {sigma}"#)))
+            .unwrap();
+        printed(root.path(), &["report", "plate"]);
+        let record: Value = serde_json::from_str(&read(root.path(), "reports/plate/pass-1/record.json")).unwrap();
+        assert_eq!(record["requirements"][0]["verdict"].as_str(), Some(verdict), "{sigma}");
+        let report = read(root.path(), "reports/plate/pass-1/report.md");
+        let summary = report.split("\n## ").nth(1).unwrap();
+        assert_eq!(summary.contains("No requirement is called met here."), sigma == "0.1", "{summary}");
+        assert_eq!(summary.contains("does not explain the data to which it was fitted"), sigma == "0.1", "{summary}");
+    }
+}
+
 #[test]
 fn the_page_of_a_study_shows_its_last_pass_and_folds_the_earlier_ones() {
     let root = two();

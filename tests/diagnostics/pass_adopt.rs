@@ -1,5 +1,6 @@
 //! Passes that adopt effects: the model, its priors, its measurements and environments follow.
 
+use bmv::effect::Bound;
 use bmv::measurement::prediction::Predictor;
 use bmv::measurement::{Initial, Rows, Uncertain};
 use bmv::random::Distribution;
@@ -67,6 +68,9 @@ fn an_effect_may_be_there_in_a_test_only() {
     let switch = pass.model.inputs.iter().position(|input| input.name == "harness.applies").expect("there");
     assert_eq!((pass.model.inputs[switch].nominal, pass.model.inputs[switch].settable), (0.0, false));
     assert_eq!(pass.environments[0].inputs[switch], 0.0, "it does not fly");
+    let problem = bmv::study::problem::problem(&pass);
+    let follows = |bound: &[Bound]| bound.contains(&Bound::Input(switch));
+    assert!(!problem.candidates.iter().any(|candidate| follows(&candidate.bound)), "no physics follows the switch");
     let Rows::Steady(phases) = &pass.measurements[0].rows else { panic!("steady") };
     assert!(phases.iter().all(|phase| phase.inputs[switch] == 1.0));
     let network = Network::compile(&pass.model, &[]).expect("compiled");

@@ -425,6 +425,11 @@ impl EffectInputForm {
             let [first, last] = bound.range(model);
             return self.date && model.date == Some(input) && self.least_span.is_none_or(|span| last - first >= span);
         }
+        if let Bound::Input(input) = bound
+            && model.switches.contains(&input)
+        {
+            return false;
+        }
         let is_boundary = |input: usize| (0..model.nodes.len()).any(|node| is_boundary_input(model, node, input));
         let (allowed, dimension) = match bound {
             Bound::Node(_) => (self.temperature && !self.date, None),

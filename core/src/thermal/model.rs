@@ -22,6 +22,8 @@ pub struct Model {
     pub inputs: Vec<Input>,
     /// The input that says when, where there is one: what changes at a date depends on it and on the time that has passed.
     pub date: Option<usize>,
+    /// Inputs that are 1 where an adopted effect is there: none that physics follows.
+    pub switches: Vec<usize>,
     /// Nodes in the order of the file, boundaries included.
     pub nodes: Vec<Node>,
     /// Elements: conductors, radiations, loads, flows, coolers, heaters, surface coolers, each in the order of the file.

@@ -171,6 +171,13 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
             if names.len() == 1 { "a channel is named like" } else { "channels are named like" },
             names.join(", ")
         ));
+        if unknown.iter().any(|channel| channel.is_temperature()) {
+            notes.push(
+                "the temperature of something that the model leaves out, as a flange or another room, can be an input of \
+                 model.json that nothing uses: a diagnosis then tries a conductive path to it"
+                    .to_owned(),
+            );
+        }
     }
     let longest = record.times_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     if longest > LONG_GAP * usual_step(record) {

@@ -12,6 +12,7 @@ use crate::report::view::PassReport;
 
 use super::Entry;
 use super::problem::prior_words;
+use super::validation::IMPROBABLE;
 
 /// Chains agree below it.
 const MOST_RHAT: f64 = 1.01;
@@ -188,7 +189,7 @@ fn verdict(name: &str, output: &Output) -> Vec<Block> {
         blocks.extend(remedy.map(|text| Block::callout(Tone::Next, text)));
         blocks.push(Block::List(output.objections.iter().map(|o| Text::new(o.clone())).collect()));
     }
-    if let Some(p) = output.p_value.filter(|p| *p < 0.005) {
+    if let Some(p) = output.p_value.filter(|p| *p < IMPROBABLE) {
         let text = format!(
             "The tuned model does not explain the data: noise alone would leave so large a misfit with probability {}. \
              The posterior is too narrow for a model that lacks something.",

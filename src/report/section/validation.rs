@@ -1,5 +1,6 @@
 //! Whether what is claimed of requirements rests on a model that keeps the criteria of its own test.
 
+use crate::document::p_value;
 use crate::job::propagate::Met;
 use crate::job::{calibrate, compare, predict};
 use crate::report::ladder::{self, Standing};
@@ -59,14 +60,32 @@ pub(super) fn is_unconverged(report: &PassReport<'_>) -> bool {
         || report.outputs::<predict::Kind>().any(|(_, output)| !output.converged)
 }
 
-/// How a requirement stands, in words and in colour: none is met by a model that fails its test, or by draws of chains that did
-/// not converge.
+/// Probability below which noise alone is no explanation of what a tuned model leaves.
+pub(super) const IMPROBABLE: f64 = 0.005;
+
+/// Probability that noise alone leaves so large a misfit, where a calibration of the pass leaves one that is improbable and a
+/// prediction adds no discrepancy for it.
+fn misfit(report: &PassReport<'_>) -> Option<f64> {
+    let is_bare =
+        |(_, output): (&str, &predict::Output)| output.validated.is_none() && output.posterior.discrepancy.is_empty();
+    if !report.outputs::<predict::Kind>().any(is_bare) {
+        return None;
+    }
+    let tails = report.outputs::<calibrate::Kind>().filter_map(|(_, output)| output.p_value);
+    tails.filter(|p| *p < IMPROBABLE).reduce(f64::min)
+}
+
+/// How a requirement stands, in words and in colour: none is met by a model that fails its test or does not explain its data, or
+/// by draws of chains that did not converge.
 pub(super) fn claim(report: &PassReport<'_>, rests: Rests, met: &Met) -> (&'static str, Status) {
     match propagation::standing(met) {
         Status::Ok if rests == Rests::OnTuned && is_unconverged(report) => {
             ("no claim: the posterior is not to be trusted", Status::Caution)
         }
         Status::Ok if broken(report, rests).is_some() => ("no claim: the model fails its test", Status::Caution),
+        Status::Ok if rests == Rests::OnTuned && misfit(report).is_some() => {
+            ("no claim: the tuned model does not explain its data", Status::Caution)
+        }
         standing => (propagation::outcome(met), standing),
     }
 }
@@ -83,11 +102,19 @@ pub(super) fn objection<'m>(
     rests: Rests,
     mut claims: impl Iterator<Item = &'m Met>,
 ) -> Option<Text> {
-    let (output, state) = broken(report, rests)?;
     let met = claims.find(|met| propagation::standing(met) == Status::Ok)?;
+    let heading = Text::default().strong("No requirement is called met here.");
+    let Some((output, state)) = broken(report, rests) else {
+        let p = misfit(report).filter(|_| rests == Rests::OnTuned)?;
+        return Some(heading.plain(format!(
+            " The tuned model does not explain the data to which it was fitted: noise alone would leave so large a misfit with \
+             probability {}. Its posterior is too narrow for a model that lacks something.",
+            p_value(p)
+        )));
+    };
     let [kept, of] = state.kept?;
     let which = if rests == Rests::OnTuned && output.tuned.is_some() { "tuned" } else { report.untuned() };
-    let mut text = Text::default().strong("No requirement is called met here.").plain(format!(
+    let mut text = heading.plain(format!(
         " The probability is that of the model, and the model {which} keeps {kept} of {of} criteria of its test ({}).",
         output.criteria.title
     ));

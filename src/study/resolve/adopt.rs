@@ -327,7 +327,9 @@ fn add_switch(scope: &mut Scope, name: &str) -> usize {
         settable: false,
         description: format!("1 where the adopted effect {name} is there"),
     };
-    scope.resolved.add_input(input, Scale { unit: Some(Unit::si(Dimension::NONE)) })
+    let switch = scope.resolved.add_input(input, Scale { unit: Some(Unit::si(Dimension::NONE)) });
+    scope.resolved.model.switches.push(switch);
+    switch
 }
 
 /// Changes the sensors of a measurement.

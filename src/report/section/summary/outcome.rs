@@ -14,7 +14,7 @@ use crate::report::section::problem::limits;
 use crate::report::section::propagation::{nominal_cases, probability_stated, standing};
 use crate::report::section::summary::missing::probability_of_set;
 use crate::report::section::summary::unconverged;
-use crate::report::section::validation::{Rests, claim};
+use crate::report::section::validation::{IMPROBABLE, Rests, claim};
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
 
@@ -22,8 +22,6 @@ use crate::study::requirement::ALL;
 const MOST_LETTERS: usize = 70;
 /// Draws next to a bound, above which a parameter is said to press against it.
 pub(super) const PRESSES: f64 = 0.05;
-/// Probability of so large a misfit by noise alone, below which a tuned model does not explain its data.
-const IMPROBABLE: f64 = 0.005;
 
 /// What came out; none where no result says it.
 pub(super) fn headline(report: &PassReport<'_>) -> Option<Text> {

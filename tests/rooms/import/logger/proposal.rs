@@ -8,6 +8,18 @@ fn known() -> Known {
 }
 
 #[test]
+fn a_logged_temperature_of_nothing_in_the_model_may_become_an_input() {
+    let notes = |header: &str| {
+        let log = format!("time [s],box [degC],{header}\n0,20,18\n10,21,18.5\n20,22,19\n");
+        let settings = Settings { time: None, channels: None };
+        let record = read(&[("a.csv".to_owned(), log)], &settings).expect("understood");
+        propose(&record, &known(), &Said::default(), "data/log.csv").expect("proposed").notes.join("\n")
+    };
+    assert!(notes("flange [degC]").contains("can be an input of model.json that nothing uses"));
+    assert!(!notes("supply [V]").contains("that nothing uses"));
+}
+
+#[test]
 fn two_files_of_a_german_logger_become_one_clean_table() {
     let first = "Logger 34970A\n\nZeit;Kanal 1;Kanal 2;Kanal 3;Q box;Bemerkung\n;\u{B0}C;\u{B0}C;\u{B0}C;W;\n\
                  17.05.2024 12:00:00;20,5;9,9E+37;21;5;ein\n17.05.2024 12:00:10;20,75;;21,5;5,5;\n";
