@@ -1,10 +1,9 @@
 //! Readings that are faults of the data: spikes, drop-outs and channels that froze. They are found, said and left out.
 //!
 //! In a transient a spike is a reading, or a few, whose error jumps away from that of the rows about it and back; a drop-out
-//! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays, or where an input steps. In steady
-//! phases a channel stuck that shows one value in more of them than noise allows. Otherwise no row has a neighbour there: a
-//! reading is a fault where a set of effects explains all but a few readings, and these
-//! not at all.
+//! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays, or jumps where
+//! an input steps. In steady phases a channel stuck that shows one value in more of them than noise allows. Otherwise no row
+//! has a neighbour there: a reading is a fault where a set of effects explains all but a few readings, and these not at all.
 
 use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;

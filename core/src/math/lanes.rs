@@ -49,6 +49,14 @@ pub fn subtract_multiple(x: &mut [f64], factor: f64, y: &[f64]) {
     }
 }
 
+/// `x += factor * y`.
+#[inline]
+pub fn add_multiple(x: &mut [f64], factor: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += factor * y;
+    }
+}
+
 impl Lanes for f64 {
     const COUNT: usize = 1;
     #[inline]

@@ -264,12 +264,12 @@ fn falls_to(step: &StoryStep) -> String {
     fall(step.rmse_k.train).map_or_else(String::new, |fall| format!("; the error falls from {fall}{held_out}"))
 }
 
-/// Why a story ends.
-fn ends(step: &StoryStep) -> Option<String> {
+/// Why a story ends; `is_outweighed` says whether what would be next is more probable than nothing.
+pub fn ends(step: &StoryStep, is_outweighed: bool) -> Option<String> {
     if step.effect.is_some() {
         return None;
     }
-    if let Some(next) = step.alternatives.first().filter(|_| step.probability < 0.5) {
+    if let Some(next) = step.alternatives.first().filter(|_| is_outweighed) {
         return Some(format!(
             "No further step is taken: {next} would be more probable than nothing on the fitted rows, but the unseen rows are not predicted better with it."
         ));
@@ -480,7 +480,10 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     or_model_error(effect, is_like_gradient(effect))
                 ));
             }
-            words.extend(output.steps.last().and_then(ends));
+            let last = findings.story.as_ref().and_then(|story| story.steps.last());
+            let is_outweighed =
+                last.is_some_and(|last| last.additions.first().is_some_and(|next| next.probability > last.stays));
+            words.extend(output.steps.last().and_then(|step| ends(step, is_outweighed)));
             for effect in &selected {
                 words.extend(law(output, effect, findings.problem));
                 words.extend(effect.hints.iter().map(|hint| format!("{}: {}", effect.id, lower(hint))));

@@ -4,6 +4,7 @@
 //! the largest norm over diffusion nodes. Corners of the inputs and discontinuities of expressions of time are hit exactly.
 
 use crate::math::functions::{exp, ln};
+use crate::math::lanes::add_multiple;
 use crate::thermal::equations::{Equations, segment};
 use crate::thermal::linear::Linear;
 use crate::thermal::model::QuantityValue;
@@ -498,8 +499,7 @@ impl<'a> Integrator<'a> {
         // The iterations' room is free now: the error of each temperature.
         self.step.fill(0.0);
         for (stage, slopes) in self.stage_slopes.iter().enumerate() {
-            let weight = step_s * tableau::error_weight(stage);
-            self.step.iter_mut().zip(slopes).for_each(|(error, slope)| *error += weight * slope);
+            add_multiple(&mut self.step, step_s * tableau::error_weight(stage), slopes);
         }
         for &row in &self.arithmetic {
             self.step[row] = 0.0;

@@ -3,6 +3,8 @@
 //! `B = T_n + h sum a_ij k_j` and `k_i = (Y_i - B) / (g h)`; the capacity multiplies the slope at the stage itself, so
 //! heat is conserved where it depends on temperature. Simplified Newton: one matrix `J - C / (g h) - C' k` a step.
 
+use crate::math::lanes::add_multiple;
+
 use super::integrator::Integrator;
 use super::tableau::{COEFFICIENTS, GAMMA, NODES};
 
@@ -126,13 +128,5 @@ impl Integrator<'_> {
             }
         }
         false
-    }
-}
-
-/// `x += factor * y`.
-#[inline]
-fn add_multiple(x: &mut [f64], factor: f64, y: &[f64]) {
-    for (x, y) in x.iter_mut().zip(y) {
-        *x += factor * y;
     }
 }

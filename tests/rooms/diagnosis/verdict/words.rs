@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/verdict/words.rs`.
 
-use bmv::diagnosis::output::EffectResult;
+use bmv::diagnosis::output::{EffectResult, StoryStep};
 use bmv::diagnosis::verdict::words::*;
 
 #[test]
@@ -32,6 +32,21 @@ fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
     assert_eq!(of(0.5, 100.0), " Errors of the model itself may be all that it stands for.");
     let pulled = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, true);
     assert!(pulled.starts_with(" A gradient within the node would read the same"), "{pulled}");
+}
+
+/// Unseen rows are the reason only where the next effect is more probable than nothing: many weak ones together may be so too.
+#[test]
+fn a_story_ends_for_want_of_probability_or_by_the_unseen_rows() {
+    let rmse = serde_json::json!({"train": [0.9, 0.9], "held_out": [0.9, 0.9]});
+    let step = |effect: Option<&str>| -> StoryStep {
+        let whole =
+            serde_json::json!({"effect": effect, "probability": 0.2, "rmse_k": rmse, "alternatives": ["heat-load:x"]});
+        serde_json::from_value(whole).expect("a step")
+    };
+    let of = |is_outweighed: bool| ends(&step(None), is_outweighed).expect("an end");
+    assert!(of(true).contains("heat-load:x would be more probable than nothing"), "{}", of(true));
+    assert!(of(false).contains("probability of 20.0 %") && !of(false).contains("unseen"), "{}", of(false));
+    assert_eq!(ends(&step(Some("sensor-bias:x")), true), None);
 }
 
 #[test]
