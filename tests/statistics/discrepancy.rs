@@ -188,7 +188,7 @@ fn parameters_inferred_with_their_discrepancy_are_as_good_as_what_is_known_of_it
         let case = flight.posterior.cases.iter().find(|case| case.environment == environment).expect("a case");
         (case.quantities[0].mean, case.quantities[0].sd)
     };
-    // Within the test, parameter and discrepancy of one draw foretell what both together have seen, though each alone is wide:
+    // Within the test, parameter and discrepancy of one draw predict what both together have seen, though each alone is wide:
     // the parameter alone leaves 0.2. Beyond it they do not.
     let (inside, beyond) = (case("inside"), case("beyond"));
     assert!((inside.0 - 1.2374).abs() < 0.001 && (inside.1 / 0.0088 - 1.0).abs() < 0.08, "{inside:?}");

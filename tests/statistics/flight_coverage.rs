@@ -18,7 +18,7 @@ use bmv::thermal::{Network, Start};
 use serde::Deserialize;
 use serde_json::Value;
 
-/// A case: study, pass, its calibration and its prediction, the quantities that are foretold.
+/// A case: study, pass, its calibration and its prediction, the quantities that are predicted.
 struct Case {
     study: &'static str,
     pass: &'static str,

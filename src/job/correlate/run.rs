@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::search::{Search, Step as Taken};
+use super::search::{Search, Step as Accepted};
 use super::{Change, Correlated, Ended, Method, Output, Spec};
 use crate::job::compare::{Deviation, KELVIN, deviation, verdicts};
 use crate::job::{Done, Job, JobError, Parts, Step};
@@ -86,15 +86,15 @@ impl Correlate {
         let search =
             Search { ranges: self.spec.parameters.iter().map(|free| free.range).collect(), deviations: &of, met: &met };
         let met_as_delivered = self.met(&before);
-        let taken: Vec<Taken> = match self.spec.method {
+        let accepted: Vec<Accepted> = match self.spec.method {
             Method::OneAtATime if met_as_delivered => Vec::new(),
             Method::OneAtATime => search.one_at_a_time(&nominal),
             Method::LeastSquares => search.least_squares(&nominal),
         };
-        let values = taken.last().map_or(nominal.clone(), |last| last.values.clone());
+        let values = accepted.last().map_or(nominal.clone(), |last| last.values.clone());
         let [fitted, held_out] = self.deviations(&values);
         let after = self.statistics(&fitted);
-        let change = |step: &Taken| {
+        let change = |step: &Accepted| {
             let own = self.statistics(&step.deviations);
             let named = step.parameter.map(|place| self.spec.parameters[place].index);
             Change {
@@ -126,7 +126,7 @@ impl Correlate {
                 (false, true) => Ended::Met,
                 (false, false) => Ended::NotMet,
             },
-            changes: taken.iter().map(change).collect(),
+            changes: accepted.iter().map(change).collect(),
             parameters: (0..values.len()).map(correlated).collect(),
             before,
             after,

@@ -238,10 +238,10 @@ fn choose(scores: &[LawScore]) -> Option<(Law, String)> {
         scores.iter().find(|own| own.behind.zip(own.behind_se).is_some_and(|(behind, error)| behind <= error))?;
     let best = scores.iter().find(|own| own.behind == Some(0.0)).unwrap_or(taken);
     let because = if taken.law == best.law {
-        "it foretells readings left out best".to_owned()
+        "it predicts readings left out best".to_owned()
     } else {
         format!(
-            "the simplest that foretells readings left out about as well as the best ({}), {} behind with a standard error of {}",
+            "the simplest that predicts readings left out about as well as the best ({}), {} behind with a standard error of {}",
             best.law.words(),
             two(taken.behind.unwrap_or(0.0)),
             two(taken.behind_se.unwrap_or(0.0))

@@ -19,7 +19,7 @@ written_struct! {
         optional kernel: KernelForm,
         /// Trend of the Gaussian process, `constant` where it is left out (in the mode `joint` `none`).
         optional trend: TrendForm,
-        /// The law of the discrepancy, `automatic` where it is left out: the simplest that foretells readings left out about as
+        /// The law of the discrepancy, `automatic` where it is left out: the simplest that predicts readings left out about as
         /// well as the best (in the mode `joint` a Gaussian process).
         optional law: Spanned<LawForm>,
         /// Whether hyperparameters are drawn from their posterior or those of the highest marginal likelihood, `sampled` where

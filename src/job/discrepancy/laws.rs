@@ -88,7 +88,7 @@ impl Question<'_> {
             // About four standard errors of a root mean square.
             if own.count >= 5 && own.rms > 1.0 + 4.0 / (2.0 * own.count as f64).sqrt() {
                 findings.push(format!(
-                    "readings {what} lie farther from what the law foretells than it says: {} times its standard deviation",
+                    "readings {what} lie farther from what the law predicts than it says: {} times its standard deviation",
                     two(own.rms)
                 ));
             }

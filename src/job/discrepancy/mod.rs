@@ -2,7 +2,7 @@
 //! J. R. Statist. Soc. B 63, 425): `reading = model(inputs, parameters) + discrepancy(inputs) + noise`.
 //!
 //! Modular: the discrepancy is fitted to the residuals of a calibration, whose posterior stays as it is. Its law is the simplest
-//! that foretells readings left out about as well as the best: none, a constant, a residual law, a Gaussian process.
+//! that predicts readings left out about as well as the best: none, a constant, a residual law, a Gaussian process.
 //!
 //! Joint: parameters and hyperparameters are drawn together under the priors of a calibration of the pass; what the parameters
 //! become is held against its posterior.

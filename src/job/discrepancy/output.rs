@@ -145,7 +145,7 @@ pub struct Hyperparameter {
     pub at_bound: bool,
 }
 
-/// How standardised errors of foretold readings lie: with the right law mean 0, standard deviation 1, 95 % inside.
+/// How standardised errors of predicted readings lie: with the right law mean 0, standard deviation 1, 95 % inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Check {
     /// Readings.

@@ -1,11 +1,11 @@
-//! What a surrogate is: how well it foretells runs, how well it must, and the runs behind it.
+//! What a surrogate is: how well it predicts runs, how well it must, and the runs behind it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::inference::surrogate::{Emulation, Run, Space};
 
-/// How well an output is foretold, SI.
+/// How well an output is predicted, SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OutputError {
     /// The output.
@@ -31,7 +31,7 @@ pub struct OutputError {
     pub beside_anchors: Option<f64>,
 }
 
-/// How well a sensor's readings are foretold where the posterior lies, SI.
+/// How well a sensor's readings are predicted where the posterior lies, SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReadingError {
     /// The measurement.
@@ -95,9 +95,9 @@ pub struct Output {
     pub failure: Option<String>,
     /// Parameters and inputs over which it was trained.
     pub coordinates: Vec<String>,
-    /// How well each output is foretold.
+    /// How well each output is predicted.
     pub outputs: Vec<OutputError>,
-    /// How well each sensor's readings are foretold where the posterior lies.
+    /// How well each sensor's readings are predicted where the posterior lies.
     pub readings: Vec<ReadingError>,
     /// The state after the first runs, and after each round.
     pub rounds: Vec<Round>,

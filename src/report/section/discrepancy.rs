@@ -72,7 +72,7 @@ fn opening(name: &str, output: &Output) -> Text {
     let inputs = if output.inputs.is_empty() { "no input".to_owned() } else { output.inputs.join(", ") };
     Text::new("Job ").code(name).plain(format!(
         ": residuals after the calibration {} (measured minus predicted at the posterior mean, and at {} of its posterior), and \
-         for each sensor the simplest law that foretells readings left out about as well as the best: none, a constant, a \
+         for each sensor the simplest law that predicts readings left out about as well as the best: none, a constant, a \
          residual law (a constant and scatter), a Gaussian process over {inputs} (and scatter). The posterior stays as it is \
          (modular, Kennedy & O'Hagan 2001); a prediction takes for each draw of it the discrepancy that belongs to it.",
         output.source.replace('`', ""),

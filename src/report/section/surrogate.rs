@@ -1,4 +1,4 @@
-//! The surrogate that answers in the model's place: how well it foretells runs of the model, and whether that is enough.
+//! The surrogate that answers in the model's place: how well it predicts runs of the model, and whether that is enough.
 
 mod brief;
 

@@ -17,7 +17,7 @@ use crate::expression::Unit;
 use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
-use crate::inference::target::{LeastSquares, Target};
+use crate::inference::target::Target;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
@@ -246,8 +246,6 @@ impl Problem {
             settings.starts = 0;
         }
         let point_estimate = estimate(&likelihood, &settings, key, &starts)?;
-        let mut residuals = vec![0.0; likelihood.residual_count()];
-        likelihood.residuals(&point_estimate.parameters, &mut likelihood.workspace(), &mut residuals)?;
         let log_evidence =
             point_estimate.log_evidence.filter(|value| value.is_finite()).ok_or(FitError::NoCurvature)?;
         let widths_at = Amplitudes::at(&hypothesis, &point_estimate, &self.which_are_amplitudes(effects));
@@ -266,7 +264,7 @@ impl Problem {
             given_up: point_estimate.work.rejections.given_up,
             unknowns: point_estimate.parameters,
             names: likelihood.names().to_vec(),
-            residuals,
+            residuals: point_estimate.residuals,
             errors: Vec::new(),
             rmse_train_k: None,
             rmse_held_out_k: None,

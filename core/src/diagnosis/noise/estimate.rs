@@ -13,7 +13,7 @@ use crate::measurement::total_sd;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::noise::like_sensors::{Errors, sizes};
-use crate::diagnosis::noise::restricted_likelihood::Taken;
+use crate::diagnosis::noise::restricted_likelihood::LinearFit;
 use crate::inference::likelihood::noise::{Filter, Noise, Series};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
@@ -269,12 +269,12 @@ fn of_grid<T>(tried: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Opti
 pub fn most_likely(
     measurements: &[Measurement],
     series: &[SensorRows],
-    taken: &Taken,
+    fit: &LinearFit,
     freedom: f64,
     current: &[EstimatedNoise],
 ) -> Vec<EstimatedNoise> {
     let errors: Vec<Vec<f64>> =
-        series.iter().map(|one| one.rows.iter().map(|&row| taken.errors[row]).collect()).collect();
+        series.iter().map(|one| one.rows.iter().map(|&row| fit.errors[row]).collect()).collect();
     let sought: Vec<Sought<'_>> = (series.iter().zip(&errors))
         .map(|(series, errors)| {
             let stated = known(&measurements[series.measurement], series.sensor, &series.times_s);
@@ -294,7 +294,7 @@ pub fn most_likely(
         let correction = |noises: &[Weighed]| {
             let mut all = current.to_vec();
             members.iter().zip(noises).for_each(|(&place, (_, noise))| all[place] = *noise);
-            taken.correction(series, &all)
+            fit.correction(series, &all)
         };
         for (place, noise) in together(&sought, &alone, &members, correction) {
             noises[place] = noise;

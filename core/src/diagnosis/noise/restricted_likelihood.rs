@@ -1,4 +1,4 @@
-//! What a fit has taken of the readings, and what that is worth under other noise.
+//! The restricted likelihood of a fit under other noise than its own.
 //!
 //! A fit takes up the slow part of correlated noise rather than the fast one, so that what it leaves looks too white. The restricted
 //! likelihood (Patterson & Thompson 1971, Biometrika 58, 545) corrects for that: with the columns `X` of the fit and its errors `e`,
@@ -14,14 +14,14 @@ const RIDGE: f64 = 1e-12;
 
 /// A fit's columns and errors, by row: readings of open sensors in SI, all else in standard deviations.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Taken {
+pub struct LinearFit {
     /// Of each parameter and effect that the fit left free.
     pub columns: Vec<Vec<f64>>,
     /// What the fit left.
     pub errors: Vec<f64>,
 }
 
-impl Taken {
+impl LinearFit {
     /// What is to be added to the log likelihood of the errors where the sensors have these noises, but for a constant; 0 where a column
     /// is nothing.
     pub fn correction(&self, series: &[SensorRows], noises: &[EstimatedNoise]) -> f64 {

@@ -11,7 +11,7 @@ use crate::diagnosis::linearisation::bounded::Place;
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::noise::estimate;
-use crate::diagnosis::noise::restricted_likelihood::Taken;
+use crate::diagnosis::noise::restricted_likelihood::LinearFit;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::nothing_stands;
 use crate::diagnosis::odds::prior_scale::WIDTHS;
@@ -277,14 +277,14 @@ impl Diagnosis {
         };
         let singles = scored.directions.iter().filter(|direction| direction.amplitudes() == 1).count() as u64;
         screening.pairs_screened = singles * singles.saturating_sub(1) / 2;
-        let mut taken: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut partners: BTreeMap<usize, usize> = BTreeMap::new();
         for ([a, b], amplitudes, fall) in scored.pairs(MOST_IN_PAIRS, MOST_PAIRS) {
             // One effect that stands out would fill the list with whatever goes beside it.
             let ends = [a, b].map(|d| scored.directions[d].candidate);
-            if ends.iter().any(|candidate| taken.get(candidate).copied().unwrap_or(0) >= MOST_PARTNERS) {
+            if ends.iter().any(|candidate| partners.get(candidate).copied().unwrap_or(0) >= MOST_PARTNERS) {
                 continue;
             }
-            ends.iter().for_each(|candidate| *taken.entry(*candidate).or_default() += 1);
+            ends.iter().for_each(|candidate| *partners.entry(*candidate).or_default() += 1);
             let lead = |d: usize, amplitude: f64| Lead {
                 candidate: scored.directions[d].candidate,
                 fall,
@@ -490,10 +490,10 @@ impl Diagnosis {
             .collect();
         for _ in 0..NOISE_ROUNDS {
             let before = settled.clone();
-            let taken = self.taken_by_best_pair(&linear, &directions, &series, &settled);
+            let fit = self.fit_of_best_pair(&linear, &directions, &series, &settled);
             let freedom = 1.0 - (linear.parameters() + 2) as f64 / linear.readings.max(1) as f64;
             let current: Vec<estimate::EstimatedNoise> = settled.iter().map(|one| one.noise).collect();
-            let found = estimate::most_likely(original, &series, &taken, freedom.max(0.1), &current);
+            let found = estimate::most_likely(original, &series, &fit, freedom.max(0.1), &current);
             for (one, noise) in settled.iter_mut().zip(found) {
                 one.noise = noise;
             }
@@ -512,13 +512,13 @@ impl Diagnosis {
     }
 
     /// What the parameters and the best pair of effects take of the readings of sensors with unit noise, and leave, SI.
-    fn taken_by_best_pair(
+    fn fit_of_best_pair(
         &self,
         linear: &Linear,
         directions: &[Direction],
         series: &[estimate::SensorRows],
         settled: &[SensorNoise],
-    ) -> Taken {
+    ) -> LinearFit {
         let filters = estimate::whitening(series, settled.iter().map(|one| &one.noise));
         let whiten = |column: &mut [f64]| estimate::whiten(series, &filters, column);
         let mut white = linear.clone();
@@ -577,7 +577,7 @@ impl Diagnosis {
             let Some(original) = directions.iter().find(is_own) else { continue };
             take(original.column(0).to_vec(), fit.x[n + position], fit.places[n + position]);
         }
-        Taken { columns, errors }
+        LinearFit { columns, errors }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Minimum of `|r(x)|^2 / 2 + penalty(x)` within bounds: Levenberg-Marquardt on the residuals with their exact Jacobian
 //! (Marquardt 1963; damping after Madsen, Nielsen & Tingleff 2004; scaling after More 1978), steps cut at the bounds,
-//! followed by Newton steps with a Hessian by differences of the gradient where the penalty bends the objective.
+//! followed by Newton steps with a Hessian by differences of the gradient where the penalty is curved.
 //!
 //! Where slopes are costly, what the Jacobian alone does not tell of the curvature is learned on the way by a secant update,
-//! and enters the steps while it foretells them better (Dennis, Gay & Welsch 1981, ACM TOMS 7, 348): large residuals would
+//! and enters the steps while it predicts them better (Dennis, Gay & Welsch 1981, ACM TOMS 7, 348): large residuals would
 //! otherwise make the steps swing about the minimum.
 
 use nalgebra::{DMatrix, DVector};
@@ -46,7 +46,7 @@ pub struct Bounds {
 pub struct Effort {
     /// Most steps.
     pub most_iterations: u64,
-    /// A step that lowers the objective by less, as foreseen, is the last one; 0 for the precision of the arithmetic.
+    /// A step that lowers the objective by less, as predicted, is the last one; 0 for the precision of the arithmetic.
     pub least_gain: f64,
     /// An objective that an end of any use lies below; infinite where there is none. Where slopes are costly, a descent that
     /// does not lead there is left before its end.
@@ -78,11 +78,11 @@ pub struct Minimum {
 /// slopes as there are variables, twice.
 pub const COSTLY: f64 = 1e-4;
 
-/// Share of the height above a known minimum or the ceiling; steps that are foreseen to gain less do not lead below it.
+/// Share of the height above a known minimum or the ceiling; steps that are predicted to gain less do not lead below it.
 const HOPELESS: f64 = 0.01;
 /// Such steps in a row after which a descent is left.
 const MOST_HOPELESS: u32 = 2;
-/// Share of the height above a known minimum within which the linear residuals must foretell it to lead there.
+/// Share of the height above a known minimum within which the linear residuals must predict it to lead there.
 const SAME: f64 = 0.02;
 
 struct Linearised {
@@ -145,7 +145,7 @@ pub fn minimise_beside<O: Objective>(
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
     let mut hopeless = 0;
     let mut descends = false;
-    let mut bend = is_costly.then(|| Bend::new(n));
+    let mut second_order = is_costly.then(|| SecondOrder::new(n));
     while iterations < effort.most_iterations && !converged {
         iterations += 1;
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
@@ -160,11 +160,12 @@ pub fn minimise_beside<O: Objective>(
             converged = true;
             break;
         }
-        let bent = bend
+        let of_second_order = second_order
             .as_ref()
-            .filter(|bend| bend.is_used)
-            .and_then(|bend| bend.step(&at, &free, &scale, damping, &x, bounds));
-        let Some((step, predicted)) = bent.or_else(|| damped_step(&at, &free, &scale, damping, &x, bounds)) else {
+            .filter(|own| own.is_used)
+            .and_then(|own| own.step(&at, &free, &scale, damping, &x, bounds));
+        let Some((step, predicted)) = of_second_order.or_else(|| damped_step(&at, &free, &scale, damping, &x, bounds))
+        else {
             damping = damping.max(1e-12) * growth;
             growth *= 2.0;
             continue;
@@ -204,8 +205,8 @@ pub fn minimise_beside<O: Objective>(
             // Twice in a row, lest one lucky step near a plateau end the descent.
             small_gains = if gain <= 1e-14 * at.value.abs() { small_gains + 1 } else { 0 };
             converged = small_gains >= 2 || gain.max(predicted) < effort.least_gain;
-            if let Some(bend) = &mut bend {
-                bend.learn(&at, &next, &x, &trial);
+            if let Some(second_order) = &mut second_order {
+                second_order.learn(&at, &next, &x, &trial);
             }
             at = next;
             x = trial;
@@ -293,8 +294,8 @@ impl Linearised {
     fn leads_to(&self, x: &[f64], known: &Minimum) -> bool {
         let depth = self.value - known.value;
         let way: Vec<f64> = known.x.iter().zip(x).map(|(to, from)| to - from).collect();
-        let foreseen = self.predicted(&way);
-        depth > 0.0 && (foreseen - depth).abs() < SAME * depth
+        let predicted = self.predicted(&way);
+        depth > 0.0 && (predicted - depth).abs() < SAME * depth
     }
 
     /// Goes a step on as far as the linear residuals tell; `gain` is by how much the objective falls.
@@ -319,13 +320,13 @@ impl Linearised {
 }
 
 /// Curvature of the objective beyond that of the linear residuals: `sum r_i r_i''` and the penalty's.
-struct Bend {
+struct SecondOrder {
     matrix: DMatrix<f64>,
-    /// Whether it foretold the last step better than the linear residuals alone.
+    /// Whether it predicted the last step better than the linear residuals alone.
     is_used: bool,
 }
 
-impl Bend {
+impl SecondOrder {
     fn new(n: usize) -> Self {
         Self { matrix: DMatrix::zeros(n, n), is_used: false }
     }
@@ -376,10 +377,10 @@ impl Bend {
                 beyond[i] += (after[i] - before[i]) * residual;
             }
         }
-        let (bent, turned) = (self.along(step.as_slice()).abs(), step.dot(&beyond).abs());
-        if bent > turned {
+        let (known, seen) = (self.along(step.as_slice()).abs(), step.dot(&beyond).abs());
+        if known > seen {
             // What was learned far away is too large here.
-            self.matrix *= turned / bent;
+            self.matrix *= seen / known;
         }
         let along = change.dot(&step);
         if along > f64::EPSILON * change.norm() * step.norm() {

@@ -90,6 +90,9 @@ pub struct PointEstimate {
     pub log_prior: f64,
     /// Sum of squares of the whitened residuals of the data.
     pub chi_square: f64,
+    /// Whitened residuals of the data; they are not stored.
+    #[serde(skip)]
+    pub residuals: Vec<f64>,
     /// Bounds at which parameters are held.
     pub held: Vec<Option<End>>,
     /// Laplace covariance, SI, to first order in the coordinates; zero for held parameters. Bounds are not considered.
@@ -271,8 +274,10 @@ fn assemble<T: LeastSquares>(
         }
         log_evidence = laplace.log_volume.map(|volume| log_likelihood + log_prior + volume);
     }
+    let residuals = best.residuals[..objective.data_rows()].to_vec();
     PointEstimate {
-        chi_square: best.residuals[..objective.data_rows()].iter().map(|r| r * r).sum(),
+        chi_square: residuals.iter().map(|r| r * r).sum(),
+        residuals,
         parameters,
         log_likelihood,
         log_prior,

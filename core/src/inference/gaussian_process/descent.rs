@@ -3,7 +3,7 @@
 
 /// Longest step in each variable.
 const LONGEST: f64 = 3.0;
-/// Share of the foreseen decrease that a step must bring (Armijo).
+/// Share of the predicted decrease that a step must bring (Armijo).
 const LEAST_SHARE: f64 = 1e-4;
 /// Halvings of a step.
 const HALVINGS: u32 = 25;
@@ -23,7 +23,7 @@ pub struct Descended {
     pub evaluations: u64,
 }
 
-/// Descends from a start (moved into the bounds) until what is foreseen to be gained is below `least_gain`. `curvature` is a
+/// Descends from a start (moved into the bounds) until what is predicted to be gained is below `least_gain`. `curvature` is a
 /// first guess of the inverse curvature. `function` writes the slopes and gives the value, `None` where there is none.
 /// `None` where the start has no value.
 pub fn descend(
@@ -71,20 +71,20 @@ pub fn descend(
         for _ in 0..HALVINGS {
             let trial: Vec<f64> =
                 (0..n).map(|i| (x[i] + share * direction[i]).max(bounds[i][0]).min(bounds[i][1])).collect();
-            let foreseen: f64 = trial.iter().zip(&x).zip(&gradient).map(|((t, x), g)| (t - x) * g).sum();
-            if -foreseen < least_gain || evaluations >= most_evaluations {
+            let predicted: f64 = trial.iter().zip(&x).zip(&gradient).map(|((t, x), g)| (t - x) * g).sum();
+            if -predicted < least_gain || evaluations >= most_evaluations {
                 break;
             }
             let mut slopes = vec![0.0; n];
             evaluations += 1;
             let found = function(&trial, &mut slopes);
-            if let Some(found) = found.filter(|found| *found <= value + LEAST_SHARE * foreseen) {
+            if let Some(found) = found.filter(|found| *found <= value + LEAST_SHARE * predicted) {
                 taken = Some((trial, found, slopes));
                 break;
             }
             // The minimum of the parabola through what is known of the line, kept from the ends.
             share *= match found {
-                Some(found) => (0.5 * -foreseen / (found - value - foreseen)).clamp(0.1, 0.5),
+                Some(found) => (0.5 * -predicted / (found - value - predicted)).clamp(0.1, 0.5),
                 None => 0.25,
             };
         }
@@ -103,8 +103,8 @@ pub fn descend(
             is_fresh = false;
         }
         if gained < least_gain && !is_fresh {
-            let foreseen: f64 = (0..n).map(|i| inverse[i * n + i] * gradient[i] * gradient[i]).sum();
-            if foreseen < least_gain {
+            let predicted: f64 = (0..n).map(|i| inverse[i * n + i] * gradient[i] * gradient[i]).sum();
+            if predicted < least_gain {
                 break;
             }
         }

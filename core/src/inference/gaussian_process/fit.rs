@@ -18,9 +18,9 @@ const LOOKED_AT: usize = 4;
 /// Ends that go on with all points, where starts competed on some, and the evaluations after which the best alone does.
 const GO_ON: usize = 3;
 const RACE: u64 = 25;
-/// What is foreseen to be gained when a descent among competing starts ends, nats.
+/// What is predicted to be gained when a descent among competing starts ends, nats.
 const ROUGH_GAIN: f64 = 1e-2;
-/// What is foreseen to be gained when a descent ends, nats.
+/// What is predicted to be gained when a descent ends, nats.
 const LEAST_GAIN: f64 = 1e-9;
 /// Most evaluations of a descent.
 const MOST_EVALUATIONS: u64 = 300;

@@ -50,7 +50,7 @@ pub struct Functional {
     pub scatter: f64,
 }
 
-/// A value as the others foretell it.
+/// A value as the others predict it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOut {
     /// Mean.

@@ -1,4 +1,4 @@
-//! The Gaussian process of an output, and how well it foretells runs that were left out.
+//! The Gaussian process of an output, and how well it predicts runs that were left out.
 //!
 //! A trend that is linear in the coordinates, a smooth part (squared exponential or Matern 5/2, whichever has the higher
 //! marginal likelihood) and scatter, which takes the model's own numerical noise. Where runs left out lie further from what

@@ -1,7 +1,7 @@
 //! A surrogate of a model that takes long to answer: a Gaussian process for each output, over the parameters and inputs that
 //! vary, through runs of the model itself (Sacks, Welch, Mitchell & Wynn 1989, Statist. Sci. 4, 409).
 //!
-//! `space`: the coordinates. `emulation`: the process of an output, and how well it foretells runs left out. `answers`: the
+//! `space`: the coordinates. `emulation`: the process of an output, and how well it predicts runs left out. `answers`: the
 //! surrogate in the model's place. `choice`: where further runs tell most.
 
 pub mod answers;

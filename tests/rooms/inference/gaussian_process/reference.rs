@@ -316,7 +316,7 @@ fn intervals_cover_new_values_of_many_drawn_processes() {
 
 #[test]
 fn values_left_out_prefer_the_form_that_made_them() {
-    // A smooth function: the process foretells it, a constant does not. Scatter: the constant does as well.
+    // A smooth function: the process predicts it, a constant does not. Scatter: the constant does as well.
     let score = |values: &[f64], form: Form| {
         let points = (0..values.len()).map(|i| i as f64 / (values.len() - 1) as f64).collect();
         let training = Training::new(1, points, values.to_vec(), vec![0.01; values.len()]).expect("points");

@@ -30,7 +30,7 @@ fn truth(a: f64, x: f64) -> f64 {
 }
 
 #[test]
-fn a_surrogate_foretells_runs_that_it_did_not_see_within_the_error_that_it_states() {
+fn a_surrogate_predicts_runs_that_it_did_not_see_within_the_error_that_it_states() {
     let (space, runs) = runs(40);
     let key = StreamKey::new(1, "surrogate", "fit");
     let emulations = Surrogate::fit(&space, &runs, &key).expect("fitted");
