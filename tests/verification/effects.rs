@@ -385,6 +385,8 @@ fn changes_of_what_is_there_follow_their_equations() {
         ("sensor-gain:TC box", cabinet + 0.01 * (cabinet - 273.15)),
         ("sensor-conduction:TC box:panel", cabinet + 0.05 * (panel - cabinet)),
         ("sensor-self-heating:TC box", cabinet + 0.5),
+        // The input is at two thirds of its range.
+        ("sensor-gradient:TC box:Q", cabinet + 1.0 * 6.0 / 9.0),
     ];
     for &(id, expected) in readings {
         let candidate = all.iter().find(|candidate| candidate.id == id).unwrap_or_else(|| panic!("{id}"));

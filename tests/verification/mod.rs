@@ -15,6 +15,7 @@ mod goal;
 mod held;
 mod hidden_effect;
 mod history_margins;
+mod late_heat;
 mod leaves;
 mod likelihood;
 mod linear_diagnosis;

@@ -305,7 +305,7 @@ fn probes_are_finite_differences() {
         assert!(direction.columns[base.len()..].iter().all(|value| *value == 0.0));
         assert_eq!((direction.lower[0], direction.upper[0], direction.plausible[0]), (0.0, f64::INFINITY, 1.0));
     }
-    for effect in ["hidden-node", "path-capacity", "cooler-contact", "sensor-lag", "thermal-mass"] {
+    for effect in ["hidden-node", "path-capacity", "heater-capacity", "cooler-contact", "sensor-lag", "thermal-mass"] {
         assert!(seen.iter().any(|own| own == effect), "{effect}: {seen:?}");
     }
 }

@@ -106,8 +106,10 @@ impl Hypothesis {
         let applied = self.add_as(candidate, effect, &candidate.id, parameters)?;
         let (model, effect) = (&self.model, self.amplitudes.len() - 1);
         for &(node, _) in &applied.nodes {
-            // At its host's temperature otherwise, as after long quiet; never so in the midst of a record.
-            let is_free = |measured: &Measurement| problem.is_misspecified || measured.follows_gap;
+            // At its host's temperature otherwise, as after long quiet; never so in the midst of a record, nor where so little is
+            // known of a test that its noise is not stated.
+            let is_unknown = problem.is_misspecified || problem.noise_freedom.is_some();
+            let is_free = |measured: &Measurement| is_unknown || measured.follows_gap;
             let measured = self.measurements.iter_mut().enumerate().filter(|(_, measured)| is_free(measured));
             for (measurement, measured) in measured {
                 let prior = measured.begin_free(node, model);

@@ -284,7 +284,9 @@ impl Diagnosis {
         additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
         let pays = |one: &&Addition| pays(one.place);
         let is_curve = |one: &&Addition| self.is_unknown_function(one.effect);
-        let is_of_group = |one: &Addition| self.problem().candidates[one.effect].is_group();
+        let candidate = |one: &Addition| &self.problem().candidates[one.effect];
+        let is_of_group = |one: &Addition| candidate(one).is_group();
+        let is_elsewhere = |one: &Addition, other: &Addition| candidate(one).is_elsewhere_than(candidate(other));
         let law = additions.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Addition| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = additions.iter().filter(pays).find(of_one_input);
@@ -298,8 +300,10 @@ impl Diagnosis {
             _ if plausible.is_some() => plausible,
             (Some(_), Some(curve)) if largest_law.is_some_and(|law| logs[curve.place] > law + CLEARLY) => Some(curve),
             (Some(law), _) => {
-                // A law of a whole surface goes before what explains as much at single places.
-                let alike = |one: &&Addition| logs[one.place] > logs[law.place] - CLEARLY && !is_curve(one);
+                // A law of a whole surface goes before what explains as much at single places of it.
+                let alike = |one: &&Addition| {
+                    logs[one.place] > logs[law.place] - CLEARLY && !is_curve(one) && !is_elsewhere(one, law)
+                };
                 additions.iter().filter(pays).filter(|one| is_of_group(one)).find(alike).or(Some(law))
             }
             (None, curve) => curve.or_else(|| additions.iter().find(pays)),
@@ -315,7 +319,10 @@ impl Diagnosis {
             // gain beyond it: errors of the model decide that.
             additions.retain(|one| !self.is_unknown_function(one.effect));
             let most = chosen.as_ref().map_or(0.0, |chosen| chosen.probability * exp(-SINGLE_PLACE));
-            let behind = additions.iter_mut().filter(|one| before_others && !is_of_group(one));
+            let is_behind = |one: &Addition| {
+                before_others && !is_of_group(one) && chosen.as_ref().is_none_or(|first| !is_elsewhere(first, one))
+            };
+            let behind = additions.iter_mut().filter(|one| is_behind(one));
             behind.for_each(|one| one.probability = (one.probability * exp(-SINGLE_PLACE)).min(most));
             additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
             let rest = stays + additions.iter().map(|one| one.probability).sum::<f64>();

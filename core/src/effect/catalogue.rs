@@ -36,6 +36,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("conductance-lost-below", include_str!("catalogue/conductance-lost-below.json")),
     ("dated-conductance", include_str!("catalogue/dated-conductance.json")),
     ("absorptance-drift", include_str!("catalogue/absorptance-drift.json")),
+    ("heater-capacity", include_str!("catalogue/heater-capacity.json")),
     ("heater-efficiency", include_str!("catalogue/heater-efficiency.json")),
     ("missing-heater", include_str!("catalogue/missing-heater.json")),
     ("cooler-degradation", include_str!("catalogue/cooler-degradation.json")),
@@ -52,6 +53,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("dated-bias", include_str!("catalogue/dated-bias.json")),
     ("sensor-conduction", include_str!("catalogue/sensor-conduction.json")),
     ("sensor-self-heating", include_str!("catalogue/sensor-self-heating.json")),
+    ("sensor-gradient", include_str!("catalogue/sensor-gradient.json")),
     ("swapped-channels", include_str!("catalogue/swapped-channels.json")),
 ];
 

@@ -36,6 +36,7 @@ const FITS: &[(&str, &[PlaceKind])] = &[
     ("capacity", &[PlaceKind::Node, PlaceKind::Capacity]),
     ("node", &[PlaceKind::Node, PlaceKind::Pair]),
     ("within", &[PlaceKind::Conductor]),
+    ("source", &[PlaceKind::Load, PlaceKind::Heater]),
     ("ambient", &[PlaceKind::Node]),
     ("offset", &[PlaceKind::Boundary]),
     ("cooler", &[PlaceKind::Cooler]),
@@ -78,6 +79,7 @@ impl AddsForm {
             ("capacity", self.capacity.is_some()),
             ("node", self.node.is_some()),
             ("within", self.within.is_some()),
+            ("source", self.source.is_some()),
             ("ambient", self.ambient.is_some()),
             ("offset", self.offset.is_some()),
             ("cooler", self.cooler.is_some()),
@@ -301,6 +303,12 @@ impl Effect {
             let capacity = Expected::value(Dimension::HEAT_CAPACITY, "a heat capacity").given();
             check.text(&Some(within.capacity.clone()), capacity, &[]);
             check.text(&Some(within.share.clone()), Expected::value(Dimension::NONE, "a share").given(), &[]);
+        }
+        if let Some(source) = &adds.source {
+            let capacity = Expected::value(Dimension::HEAT_CAPACITY, "a heat capacity").given();
+            check.text(&Some(source.capacity.clone()), capacity, &[]);
+            let conductance = Expected::value(Dimension::CONDUCTANCE, "a conductance").given();
+            check.text(&Some(source.conductance.clone()), conductance, &[]);
         }
         if let Some(ambient) = &adds.ambient {
             let temperature = Expected::value(Dimension::TEMPERATURE, "a temperature").given();

@@ -197,6 +197,8 @@ written_struct! {
         optional node: HiddenNodeForm,
         /// A node with its own capacity inside a conductor.
         optional within: WithinForm,
+        /// A node with its own capacity between a load or heater and its node: the heat arrives late.
+        optional source: SourceNodeForm,
         /// A boundary that the model lacks, at the other end of `flow`.
         optional ambient: AmbientForm,
         /// Added to a boundary's temperature, K.
@@ -224,6 +226,16 @@ written_struct! {
         /// Its capacity, J/K (`T` its own temperature).
         required capacity: Spanned<String>,
         /// Conductance of its path, W/K.
+        required conductance: Spanned<String>,
+    }
+}
+
+written_struct! {
+    /// A node that a load or heater heats in place of its own, with a path to that.
+    pub struct SourceNodeForm: "a node behind a load" {
+        /// Its capacity, J/K.
+        required capacity: Spanned<String>,
+        /// Conductance of its path, W/K, above 0.
         required conductance: Spanned<String>,
     }
 }

@@ -9,6 +9,10 @@ use super::checked::{Effect, KNOT};
 use super::form::{ParameterForm, Sign};
 use super::place::Bound;
 
+/// Share of the measured time at its beginning and at its end within which nothing changes at a date: what begins with the
+/// record was there before it, and a start that is stated a little wrong would look like it.
+const NO_CHANGE_WITHIN: f64 = 0.02;
+
 /// A parameter of an effect at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectParameter {
@@ -143,7 +147,11 @@ impl Effect {
         };
         if let Some(like) = &form.unit_of {
             let Some(like) = find(&like.value) else { return parameter };
-            let [lower, upper] = like.range(model);
+            let [mut lower, mut upper] = like.range(model);
+            if model.date.map(Bound::Input) == Some(like) {
+                let edge = NO_CHANGE_WITHIN * (upper - lower);
+                (lower, upper) = (lower + edge, upper - edge);
+            }
             parameter.unit = Unit::si(like.dimension(model).unwrap_or(Dimension::NONE));
             parameter.prior = Distribution::Uniform { lower, upper };
             parameter.nominal = 0.5 * (lower + upper);

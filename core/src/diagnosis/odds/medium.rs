@@ -1,9 +1,11 @@
-//! What surrounds the hardware, as far as the model tells: effects that need a gas are improbable in vacuum.
+//! What surrounds the hardware, as far as the model tells: effects that need a gas are improbable in vacuum, and surroundings that
+//! are warmer than all else stand for a source.
 
 use crate::diagnosis::Problem;
-use crate::expression::{Symbol, Unit};
+use crate::effect::Bound;
+use crate::expression::{ExprId, Symbol, Unit};
 use crate::measurement::Rows;
-use crate::thermal::{Input, NodeKind};
+use crate::thermal::{Input, Model, NodeKind};
 
 /// Pressure below which nothing convects, Pa: a thousandth of the atmosphere's, where Rayleigh's number is a millionth.
 const NO_CONVECTION_PA: f64 = 100.0;
@@ -16,42 +18,74 @@ pub(crate) fn is_pressure(input: &Input) -> bool {
     dimension(&input.unit) == dimension("Pa")
 }
 
+/// Temperature above which no room is that the model does not show, K.
+const WARM_ROOM_K: f64 = 300.0;
+/// Temperature below which a boundary is no room, K.
+const COLD_ROOM_K: f64 = 283.0;
+/// By how much the surface of a room may be warmer than its air, K.
+const WARMER_K: f64 = 3.0;
+
+/// Temperatures of all boundaries of a model.
+fn boundaries(model: &Model) -> Vec<ExprId> {
+    let of = |node: &crate::thermal::Node| match node.kind {
+        NodeKind::Boundary { temperature } => Some(temperature),
+        NodeKind::Diffusion { .. } | NodeKind::Arithmetic => None,
+    };
+    model.nodes.iter().filter_map(of).collect()
+}
+
+/// Shows `visit` what inputs, nominal parameters and the time are in each row, until it answers false.
+fn in_each_row(problem: &Problem, mut visit: impl FnMut(&dyn Fn(Symbol) -> f64) -> bool) {
+    for measurement in &problem.measurements {
+        for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
+            let value = |symbol: Symbol| match (symbol, &measurement.rows) {
+                (Symbol::Input(own), Rows::Steady(phases)) => {
+                    phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN)
+                }
+                (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),
+                (Symbol::Time, Rows::Steady(_)) => 0.0,
+                (Symbol::Time, Rows::Transient { inputs, .. }) => inputs.times_s[row],
+                (Symbol::Parameter(own), _) => problem.model.parameters[own as usize].nominal,
+                _ => f64::NAN,
+            };
+            if !visit(&value) {
+                return;
+            }
+        }
+    }
+}
+
 /// Whether the data were taken in vacuum: a boundary is colder than any room in some row, or a pressure among the inputs is
 /// low in all rows. A model that says neither may be anywhere.
 pub fn is_vacuum(problem: &Problem) -> bool {
     let model = &problem.model;
-    let boundaries: Vec<_> = (model.nodes.iter())
-        .filter_map(|node| match node.kind {
-            NodeKind::Boundary { temperature } => Some(temperature),
-            _ => None,
-        })
-        .collect();
+    let boundaries = boundaries(model);
     let pressures: Vec<usize> = (0..model.inputs.len()).filter(|&input| is_pressure(&model.inputs[input])).collect();
     if boundaries.is_empty() && pressures.is_empty() {
         return false;
     }
     let mut most_pa = vec![f64::NEG_INFINITY; pressures.len()];
-    for measurement in &problem.measurements {
-        for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
-            let (input, time_s): (Box<dyn Fn(usize) -> f64>, f64) = match &measurement.rows {
-                Rows::Steady(phases) => {
-                    (Box::new(move |own| phases[row].inputs.get(own).copied().unwrap_or(f64::NAN)), 0.0)
-                }
-                Rows::Transient { inputs, .. } => (Box::new(move |own| inputs.in_row(row, own)), inputs.times_s[row]),
-            };
-            let value = |symbol: Symbol| match symbol {
-                Symbol::Input(own) => input(own as usize),
-                Symbol::Parameter(own) => model.parameters[own as usize].nominal,
-                Symbol::Time => time_s,
-                _ => f64::NAN,
-            };
-            if boundaries.iter().any(|&temperature| model.graph.evaluate(temperature, &value) < NO_ROOM_K) {
-                return true;
-            }
-            for (most, &pressure) in most_pa.iter_mut().zip(&pressures) {
-                *most = most.max(input(pressure));
-            }
+    let mut is_cold = false;
+    in_each_row(problem, |value| {
+        is_cold = boundaries.iter().any(|&temperature| model.graph.evaluate(temperature, value) < NO_ROOM_K);
+        for (most, &pressure) in most_pa.iter_mut().zip(&pressures) {
+            *most = most.max(value(Bound::Input(pressure).symbol()));
         }
-    }
-    most_pa.iter().any(|&most| most.is_finite() && most < NO_CONVECTION_PA)
+        !is_cold
+    });
+    is_cold || most_pa.iter().any(|&most| most.is_finite() && most < NO_CONVECTION_PA)
+}
+
+/// Whether surroundings of this temperature, K, are warmer than all that the record shows around the hardware, and than a room
+/// where no boundary is one: what keeps them warm is a source of heat, or a store.
+pub fn is_source(problem: &Problem, surroundings_k: f64) -> bool {
+    let model = &problem.model;
+    let boundaries = boundaries(model);
+    let mut hottest_k = f64::NEG_INFINITY;
+    in_each_row(problem, |value| {
+        hottest_k = boundaries.iter().map(|&own| model.graph.evaluate(own, value)).fold(hottest_k, f64::max);
+        true
+    });
+    let warmest_k = if hottest_k < COLD_ROOM_K { WARM_ROOM_K } else { hottest_k };
+    surroundings_k > warmest_k + WARMER_K
 }

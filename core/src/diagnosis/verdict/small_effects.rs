@@ -5,7 +5,7 @@
 //! them is its size: it explains far more than what is left beside it, and not far less than another that is missing. Where
 //! tests go on finding something that no effect explains, or the held-out rows are predicted badly, the model is wrong in such
 //! ways, and all but the strongest effect may be. What would have to be a hundred times as large as is plausible stands for something
-//! else as likely as not.
+//! else as likely as not, and so do surroundings that are warmer than all that the record shows around the hardware.
 //!
 //! Where a model error is allowed for, an effect that explains `g` times the squares that it makes is one itself with the
 //! probability `1 / (1 + g / 3)`, at most a half. The errors of a model's parts differ: a few make most of what they make together, and the
@@ -13,10 +13,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnosis::Refit;
 use crate::diagnosis::engine::SensorNoise;
+use crate::diagnosis::odds::medium::is_source;
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::verdict::findings::Findings;
+use crate::diagnosis::{Problem, Refit};
 
 /// Least share that an effect explains of what the strongest one explains, in squares.
 const LEAST_SHARE: f64 = 0.2;
@@ -43,7 +44,7 @@ impl Findings<'_> {
         effects.sort_unstable();
         effects.dedup();
         let one = |effect: usize| {
-            let by_size = if self.is_implausible(effect) { IS_MODEL_ERROR } else { 0.0 };
+            let by_size = if self.is_implausible(effect) || self.is_source(effect) { IS_MODEL_ERROR } else { 0.0 };
             Some((effect, left.is_model_error(self.gain(effect)?).max(by_size)))
         };
         effects.into_iter().filter_map(one).filter(|(_, probability)| *probability > 0.0).collect()
@@ -60,6 +61,13 @@ impl Findings<'_> {
     fn is_implausible(&self, effect: usize) -> bool {
         let Some((_, place)) = self.step_of(effect).or_else(|| self.best_with(effect)) else { return false };
         self.state.refits[place].is_implausible(effect)
+    }
+
+    /// Whether an effect leads to surroundings that stand for a source or a store of heat, in its step or its best set.
+    pub(super) fn is_source(&self, effect: usize) -> bool {
+        let Some((_, place)) = self.step_of(effect).or_else(|| self.best_with(effect)) else { return false };
+        let temperature = surroundings_k(self.problem, &self.state.refits[place], effect);
+        temperature.is_some_and(|temperature| is_source(self.problem, temperature))
     }
 
     /// The selected set where it has an effect, else the most probable one with it, after the same set without it. `None` where no
@@ -91,6 +99,13 @@ impl Findings<'_> {
         // What it was before the effects were found is no measure of what they leave.
         self.problem.fitted_readings().into_iter().filter_map(of).sum::<f64>().min(chosen.chi_square)
     }
+}
+
+/// Temperature, K, that a fit gives the surroundings to which an effect leads; `None` where they have no temperature of their own.
+fn surroundings_k(problem: &Problem, refit: &Refit, effect: usize) -> Option<f64> {
+    let candidate = &problem.candidates[effect];
+    let ambient = problem.catalogue.get(&candidate.effect)?.form.adds.value.ambient.as_ref()?;
+    refit.by_name().get(&format!("{}.{}", candidate.id, ambient.temperature.value)).copied()
 }
 
 /// What stands beside the effects, in squares of the noise.

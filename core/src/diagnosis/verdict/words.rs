@@ -109,16 +109,30 @@ fn lower(sentence: &str) -> String {
 /// Probability below which it is not said that errors of the model may be what an effect explains.
 const LEAST_MODEL_ERROR: f64 = 0.05;
 
-/// That errors of the model itself may be what an effect explains; where it `is_like_gradient`, which.
-pub fn or_model_error(effect: &EffectResult, is_like_gradient: bool) -> String {
+/// What would read the same as an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Likeness {
+    /// A gradient within its node.
+    Gradient,
+    /// A source or a store of heat.
+    Source,
+    /// Nothing in particular.
+    None,
+}
+
+/// That errors of the model itself, or what else reads the same, may be what an effect explains.
+pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
     if effect.model_error >= IS_MODEL_ERROR {
         // What is said of its size is why, where it is implausible.
         let widest = WIDTHS[WIDTHS.len() - 1].factor;
         let is_implausible = effect.prior_width >= widest && !effect.within_model;
-        let words = match (is_like_gradient, is_implausible) {
-            (true, _) => "A gradient within the node would read the same: divide the node to see.",
-            (false, true) => "Errors of the model itself may be all that it stands for.",
-            (false, false) => {
+        let words = match (likeness, is_implausible) {
+            (Likeness::Gradient, _) => "A gradient within the node would read the same: divide the node to see.",
+            (Likeness::Source, _) => {
+                "These surroundings are warmer than every boundary: a part that stores or makes heat would read the same."
+            }
+            (Likeness::None, true) => "Errors of the model itself may be all that it stands for.",
+            (Likeness::None, false) => {
                 "It explains less than what else is missing: errors of the model itself may be all that it stands for."
             }
         };
@@ -451,8 +465,13 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         Verdict::Identified | Verdict::Ambiguous => {
             // What invents nothing goes first.
             let is_prior = |effect: &&&EffectResult| effect.effect == PRIOR_OF;
-            let is_like_gradient = |effect: &EffectResult| {
-                findings.problem.catalogue.get(&effect.effect).is_some_and(Effect::is_like_gradient)
+            let likeness = |effect: &EffectResult| {
+                let place = findings.problem.candidates.iter().position(|own| own.id == effect.id);
+                match findings.problem.catalogue.get(&effect.effect).is_some_and(Effect::is_like_gradient) {
+                    true => Likeness::Gradient,
+                    false if place.is_some_and(|place| findings.is_source(place)) => Likeness::Source,
+                    false => Likeness::None,
+                }
             };
             for effect in selected.iter().filter(is_prior) {
                 words.push(too_narrow(effect, findings.problem));
@@ -477,7 +496,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     percent(effect.probability),
                     effect.log_bayes_factor,
                     surprising(effect),
-                    or_model_error(effect, is_like_gradient(effect))
+                    or_model_error(effect, likeness(effect))
                 ));
             }
             let last = findings.story.as_ref().and_then(|story| story.steps.last());

@@ -1,7 +1,7 @@
-//! Additions that store heat or stand between: capacities, hidden nodes, a node inside a conductor, a contact.
+//! Additions that store heat or stand between: capacities, hidden nodes, a node inside a conductor or behind a load, a contact.
 
 use crate::thermal::NodeKind;
-use crate::thermal::element::{Conductor, ElementKind};
+use crate::thermal::element::{Conductor, ElementKind, Heater, Load};
 
 use super::{ApplyError, Work};
 use crate::effect::place::Site;
@@ -14,7 +14,7 @@ const LEAST_CONDUCTANCE_W_PER_K: f64 = 1e-12;
 const LEAST_RESISTANCE_K_PER_W: f64 = 1e-6;
 
 impl Work<'_, '_> {
-    /// `capacity`, `node`, `within` and `contact`.
+    /// `capacity`, `node`, `within`, `source` and `contact`.
     pub(super) fn nodes(&mut self) -> Result<(), ApplyError> {
         let adds = &self.instance.effect.form.adds.value;
         if let Some(capacity) = &adds.capacity {
@@ -39,6 +39,11 @@ impl Work<'_, '_> {
         if let Some(within) = &adds.within {
             for element in self.place_elements()? {
                 self.within(element, &within.capacity.value, &within.share.value)?;
+            }
+        }
+        if let Some(source) = &adds.source {
+            for element in self.place_elements()? {
+                self.source(element, &source.capacity.value, &source.conductance.value)?;
             }
         }
         if let Some(contact) = &adds.contact {
@@ -104,6 +109,30 @@ impl Work<'_, '_> {
             ElementKind::Conductor(Conductor { between: [node, b], conductance: behind }),
         );
         self.applied.nodes.extend(self.host(&[a, b]).map(|host| (node, host)));
+        Ok(())
+    }
+
+    /// Lets a load or heater heat a node of its own, which a path joins to the node that was heated.
+    fn source(&mut self, element: usize, capacity: &str, conductance: &str) -> Result<(), ApplyError> {
+        let physics = self.model.elements[element].physics();
+        let Some(heated) = physics.heated() else { return Err(self.misplaced()) };
+        let capacity = self.expression(capacity, &[])?;
+        let capacity = self.at_least(capacity, LEAST_CAPACITY_J_PER_K);
+        let conductance = self.expression(conductance, &[])?;
+        let several = matches!(&self.instance.site, Site::Elements(elements) if elements.len() > 1);
+        let what =
+            if several { format!("hidden ({})", self.model.elements[element].name) } else { "hidden".to_owned() };
+        let node = self.add_node(&what, None, NodeKind::Diffusion { capacity })?;
+        self.change_element(element, |work, kind| match kind {
+            ElementKind::Load(Load { into, .. }) | ElementKind::Heater(Heater { into, .. }) => {
+                *into = node;
+                Ok(())
+            }
+            _ => Err(work.misplaced()),
+        })?;
+        let between = [node, heated];
+        self.add_element(several.then_some(node), ElementKind::Conductor(Conductor { between, conductance }));
+        self.applied.nodes.push((node, heated));
         Ok(())
     }
 

@@ -22,6 +22,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -30,7 +31,7 @@ use crate::inference::target::{LeastSquares, Rejected, Target};
 use crate::measurement::Measurement;
 use crate::measurement::unknown::{Unknowns, Value};
 use crate::random::Distribution;
-use crate::thermal::{self, Network, NetworkError};
+use crate::thermal::{self, Network, NetworkError, Transient};
 pub(super) use build::is_used;
 use input_error::InputErrors;
 use noise::Noise;
@@ -41,6 +42,9 @@ pub use course::{Course, CourseSensor};
 pub use fewer_rows::FewerRows;
 pub use input_error::covariance_by_inputs;
 pub use whitening::Whitening;
+
+/// Readings from which on the courses of several transients are found side by side: fewer take less time than handing them over.
+const LEAST_SIDE_BY_SIDE: usize = 500;
 
 /// Half of ln(2 pi).
 pub const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
@@ -381,6 +385,26 @@ impl Likelihood {
         Ok(offset)
     }
 
+    /// The courses of several long transients, in their order; none where they are short or there is one.
+    fn courses_side_by_side(
+        &self,
+        unknowns: &[f64],
+        memory: &mut Memory,
+        slopes: bool,
+    ) -> Vec<Result<Transient, Rejected>> {
+        let transients = self.parts.iter().filter_map(|part| match part {
+            Part::Transient(part) => Some(part),
+            Part::Steady(_) => None,
+        });
+        if transients.clone().count() < 2 || self.data.len() < LEAST_SIDE_BY_SIDE {
+            return Vec::new();
+        }
+        let transients: Vec<_> = transients.map(|part| (part, part.kept(unknowns, memory))).collect();
+        let parameters = &memory.parameters;
+        let course = |(part, kept): (&TransientPart, _)| part.course(self, unknowns, parameters, kept, slopes);
+        transients.into_par_iter().map(course).collect()
+    }
+
     /// The same at given unknowns, derivatives by these.
     fn evaluate_at(&self, unknowns: &[f64], memory: &mut Memory, wanted: &mut Wanted<'_>) -> Result<f64, Rejected> {
         for (&position, value) in self.parameters.iter().zip(unknowns) {
@@ -390,11 +414,17 @@ impl Likelihood {
             memory.jacobian.fill(0.0);
             memory.scale_gradient.fill(0.0);
         }
+        let slopes = !matches!(wanted, Wanted::Values);
+        let mut found = self.courses_side_by_side(unknowns, memory, slopes).into_iter();
         for part in &self.parts {
             match part {
                 Part::Steady(part) => part.evaluate(self, unknowns, memory, wanted)?,
                 Part::Transient(part) => {
-                    part.evaluate(self, unknowns, memory, !matches!(wanted, Wanted::Values))?;
+                    let course = found.next().unwrap_or_else(|| {
+                        let kept = part.kept(unknowns, memory);
+                        part.course(self, unknowns, &memory.parameters, kept, slopes)
+                    });
+                    part.evaluate(self, unknowns, memory, course?, slopes)?;
                     if let Wanted::Gradient(gradient) = wanted {
                         let n = gradient.len();
                         for at in part.residuals() {

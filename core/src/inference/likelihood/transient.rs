@@ -122,30 +122,52 @@ impl TransientPart {
         first..self.readings.last().map_or(first, |of_sensor| of_sensor.first + of_sensor.rows.len())
     }
 
+    /// The quantities of its course at these unknowns, if it was the last that was found there and is kept.
+    pub fn kept(&self, unknowns: &[f64], memory: &mut Memory) -> Option<Vec<f64>> {
+        let last = memory.courses.remove(&self.index).filter(|(at, _)| self.drawn.is_some() && at == unknowns);
+        last.map(|(_, quantities)| quantities)
+    }
+
+    /// The quantities of its course, with their derivatives where `slopes`; those that are `kept` are not found again.
+    pub fn course(
+        &self,
+        likelihood: &Likelihood,
+        unknowns: &[f64],
+        parameters: &[f64],
+        kept: Option<Vec<f64>>,
+        slopes: bool,
+    ) -> Result<Transient, Rejected> {
+        if self.rows == 0 {
+            return Ok(Transient::default());
+        }
+        let drawn = self.drawn.as_deref().filter(|_| slopes);
+        let mut solution = match kept {
+            Some(quantities) => Transient { quantities, ..Transient::default() },
+            None => self.solve(likelihood, unknowns, parameters, &self.whole(likelihood, slopes && drawn.is_none()))?,
+        };
+        if let Some(Drawn { fewer, .. }) = drawn {
+            let tolerance = likelihood.tolerance * fewer.tolerance;
+            let course =
+                Wanted { temperatures: false, inputs: &fewer.inputs, rows: fewer.rows.len(), tolerance, slopes };
+            let on_fewer = self.solve(likelihood, unknowns, parameters, &course)?;
+            solution.quantity_tangent = on_fewer.quantity_tangent;
+        }
+        Ok(solution)
+    }
+
+    /// Writes the residuals of its course, with their derivatives where `slopes`.
     pub fn evaluate(
         &self,
         likelihood: &Likelihood,
         unknowns: &[f64],
         memory: &mut Memory,
+        solution: Transient,
         slopes: bool,
     ) -> Result<(), Rejected> {
         if self.rows == 0 {
             return Ok(());
         }
         let drawn = self.drawn.as_deref().filter(|_| slopes);
-        let whole = self.whole(likelihood, slopes && drawn.is_none());
-        let known = memory.courses.remove(&self.index).filter(|(at, _)| self.drawn.is_some() && at == unknowns);
-        let mut solution = match known {
-            Some((_, quantities)) => Transient { quantities, ..Transient::default() },
-            None => self.solve(likelihood, unknowns, &memory.parameters, &whole)?,
-        };
-        if let Some(Drawn { fewer, .. }) = drawn {
-            let tolerance = likelihood.tolerance * fewer.tolerance;
-            let course =
-                Wanted { temperatures: false, inputs: &fewer.inputs, rows: fewer.rows.len(), tolerance, slopes };
-            let on_fewer = self.solve(likelihood, unknowns, &memory.parameters, &course)?;
-            solution.quantity_tangent = on_fewer.quantity_tangent;
-        }
         let fitted: &[usize] = match &self.start {
             Begin::Temperatures { fitted, .. } => fitted,
             Begin::Steady | Begin::Periodic => &[],

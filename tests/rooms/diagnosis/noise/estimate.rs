@@ -1,7 +1,7 @@
 //! Tests of `core/src/diagnosis/noise/estimate.rs`.
 
 use bmv::diagnosis::noise::estimate::*;
-use bmv::diagnosis::noise::restricted_likelihood::Taken;
+use bmv::diagnosis::noise::restricted_likelihood::LinearFit;
 use bmv::math::functions::exp;
 use bmv::measurement::{Initial, InputTable, Measurement, Rows, Sensor, Uncertain};
 use bmv::random::StreamKey;
@@ -50,9 +50,9 @@ fn drawn(rows: usize, step_s: f64, noise: &EstimatedNoise, seed: u64) -> Vec<f64
 }
 
 fn alone(measurement: &Measurement, series: &SensorRows, errors: &[f64]) -> EstimatedNoise {
-    let taken = Taken { columns: Vec::new(), errors: errors.to_vec() };
+    let fit = LinearFit { columns: Vec::new(), errors: errors.to_vec() };
     let current = [EstimatedNoise::white(1.0)];
-    most_likely(std::slice::from_ref(measurement), std::slice::from_ref(series), &taken, 1.0, &current)[0]
+    most_likely(std::slice::from_ref(measurement), std::slice::from_ref(series), &fit, 1.0, &current)[0]
 }
 
 /// Sensors of one measurement with noise of 0.3 K, each drawn with its own.
@@ -68,8 +68,8 @@ fn of_many(noises: &[EstimatedNoise], rows: usize, seed: u64) -> Vec<EstimatedNo
         })
         .collect();
     let errors = (0..).zip(noises).flat_map(|(place, noise)| drawn(rows, step, noise, 100 * seed + place)).collect();
-    let taken = Taken { columns: Vec::new(), errors };
-    most_likely(&[measured], &series, &taken, 1.0, &vec![EstimatedNoise::white(1.0); noises.len()])
+    let fit = LinearFit { columns: Vec::new(), errors };
+    most_likely(&[measured], &series, &fit, 1.0, &vec![EstimatedNoise::white(1.0); noises.len()])
 }
 
 /// A fifth of the variance correlated over two intervals is recognised by one sensor of 150 readings in half of the

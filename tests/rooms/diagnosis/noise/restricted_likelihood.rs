@@ -18,7 +18,7 @@ fn it_is_the_restricted_likelihood() {
     let fitted = (x.transpose() * &x).lu().solve(&(x.transpose() * &y)).expect("independent columns");
     let errors = &y - &x * fitted;
     let series = SensorRows { measurement: 0, sensor: 0, rows: (0..rows).collect(), times_s: times_s.clone() };
-    let taken = Taken {
+    let fit = LinearFit {
         columns: (0..columns).map(|column| x.column(column).iter().copied().collect()).collect(),
         errors: errors.iter().copied().collect(),
     };
@@ -28,10 +28,10 @@ fn it_is_the_restricted_likelihood() {
         EstimatedNoise { sigma: 0.9, correlation_time_s: Some(400.0), white: Some(0.4) },
         EstimatedNoise { sigma: 1.1, correlation_time_s: Some(150.0), white: None },
     ] {
-        let mut whitened = taken.errors.clone();
+        let mut whitened = fit.errors.clone();
         let scales = noise.whiten(&times_s, &mut whitened);
         let restricted = scales - 0.5 * dot(&whitened, &whitened)
-            + taken.correction(std::slice::from_ref(&series), std::slice::from_ref(&noise));
+            + fit.correction(std::slice::from_ref(&series), std::slice::from_ref(&noise));
         let covariance = DMatrix::from_fn(rows, rows, |a, b| {
             let slow = noise
                 .correlation_time_s

@@ -92,7 +92,7 @@ impl Forms {
         Some(if steady_only && !seen(SeenBy::Steady) {
             if adds.lag.is_some() {
                 NoDirection::Lag
-            } else if adds.capacity.is_some() || adds.node.is_some() || adds.within.is_some() {
+            } else if adds.capacity.is_some() || adds.node.is_some() || adds.within.is_some() || adds.source.is_some() {
                 NoDirection::Capacity
             } else {
                 NoDirection::Course
@@ -147,7 +147,12 @@ fn is_smooth(effect: &Effect) -> bool {
     if adds.curve.is_some() {
         return true;
     }
-    if adds.node.is_some() || adds.within.is_some() || adds.contact.is_some() || adds.lag.is_some() {
+    if adds.node.is_some()
+        || adds.within.is_some()
+        || adds.source.is_some()
+        || adds.contact.is_some()
+        || adds.lag.is_some()
+    {
         return false;
     }
     let mut graph = Graph::new();
