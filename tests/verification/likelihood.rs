@@ -353,3 +353,41 @@ fn what_cannot_be_fitted_is_said() {
     let error = build(&|m| m.sensors[1].sigma = Some(Uncertain::Known(0.0)), &all).map(|e| e.to_string());
     assert!(error.is_some_and(|e| e.contains("is 0, expected a value above 0")));
 }
+
+/// Values of unknowns by the last part of their names.
+fn values_of(target: &Likelihood) -> Vec<f64> {
+    let known = [("G", 0.022), ("C", 20.0), ("correlation_time", 20.0), ("lag", 8.0), ("white", 0.15), ("all", 293.0)];
+    let value = |name: &String| {
+        let last = name.rsplit('.').next().unwrap();
+        known.iter().find(|(own, _)| *own == last).map_or(0.3, |(_, value)| *value)
+    };
+    target.names().iter().map(value).collect()
+}
+
+/// Side by side or one after the other: the bits are those of each transient alone.
+#[test]
+fn several_long_transients_have_the_likelihood_of_each_alone() {
+    let (model, measurements) = bench();
+    let copies = 6;
+    let all: Vec<Measurement> =
+        (0..copies).map(|copy| Measurement { name: format!("bench {copy}"), ..measurements[0].clone() }).collect();
+    let together = bench_likelihood(&model, &all);
+    assert!(together.residual_count() >= 500, "so many that they are handed over");
+    let at = values_of(&together);
+    let (mut memory, mut residuals) = (together.workspace(), vec![0.0; together.residual_count()]);
+    together.residuals(&at, &mut memory, &mut residuals).unwrap();
+    let mut slopes = vec![0.0; at.len()];
+    together.log_likelihood_gradient(&at, &mut memory, &mut slopes).unwrap();
+    let alone = bench_likelihood(&model, &all[..1]);
+    let own_at = values_of(&alone);
+    let (mut memory, mut own) = (alone.workspace(), vec![0.0; alone.residual_count()]);
+    alone.residuals(&own_at, &mut memory, &mut own).unwrap();
+    for part in residuals.chunks_exact(own.len()) {
+        assert_eq!(part, own);
+    }
+    let mut own_slopes = vec![0.0; own_at.len()];
+    alone.log_likelihood_gradient(&own_at, &mut memory, &mut own_slopes).unwrap();
+    for (all, one) in slopes.iter().zip(&own_slopes).take(2) {
+        assert!((all - f64::from(copies) * one).abs() < 1e-9 * all.abs().max(1.0), "{all} {one}");
+    }
+}

@@ -29,3 +29,13 @@ fn a_group_is_the_whole_of_its_members_with_the_same_effect() {
     assert!(!wall.goes_before_member(&on("conductor", "conductance-step", &[5])) && !wall.goes_before_member(&wall));
     assert!(!on("conductor", "conductance-step", &[3, 4]).is_whole_of(&on("conductor", "conductance-step", &[3])));
 }
+
+#[test]
+fn a_group_goes_before_places_of_its_own_kind_only_where_they_are_members() {
+    let wall = on(GROUP, "heat-load", &[2, 3, 4]);
+    assert!(wall.is_elsewhere_than(&on("conductor", "heat-load", &[5])));
+    assert!(!wall.is_elsewhere_than(&on("conductor", "heat-load", &[3])));
+    let node = Candidate { site: Site::Nodes([(5, 1.0)].into()), ..on("node", "heat-load", &[]) };
+    assert!(!wall.is_elsewhere_than(&node), "no element is compared with a node");
+    assert!(!on("conductor", "heat-load", &[2]).is_elsewhere_than(&on("conductor", "heat-load", &[5])));
+}

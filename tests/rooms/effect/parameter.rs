@@ -1,9 +1,10 @@
 //! Tests of `core/src/effect/parameter.rs`.
 
 use bmv::document::Diagnostics;
-use bmv::effect::Catalogue;
 use bmv::effect::parameter::*;
+use bmv::effect::{Bound, Catalogue};
 use bmv::expression::{Dimension, Unit};
+use bmv::random::Distribution;
 use bmv::thermal::element::{Conductor, Element, ElementKind};
 use bmv::thermal::{Limits, Model, Node, NodeKind};
 
@@ -60,4 +61,15 @@ fn a_unit_over_others_is_one_that_people_read() {
         assert_eq!(unit.text, expected);
         assert_eq!(unit.dimension, below.iter().fold(dimension("W"), |above, divisor| above.over(*divisor)));
     }
+}
+
+#[test]
+fn nothing_changes_at_a_date_at_the_ends_of_what_was_measured() {
+    let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+    let mut model = hardware(700.0, 2.0);
+    let date = model.date_input();
+    model.inputs[date].range = Some([1000.0, 2000.0]);
+    let parameters = catalogue.get("dated-load").unwrap().parameters(&model, &[Bound::Input(date)]);
+    let own = parameters.iter().find(|own| own.name == "date").unwrap();
+    assert_eq!(own.prior, Distribution::Uniform { lower: 1020.0, upper: 1980.0 });
 }

@@ -15,6 +15,8 @@ use crate::diagnosis::story::Step;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;
 use crate::diagnosis::{Problem, Refit};
+use crate::math::functions::exp;
+use crate::math::sum::log_sum_exp;
 use crate::measurement::Rows;
 use crate::measurement::total_sd;
 use crate::measurement::unknown::start_name;
@@ -238,19 +240,28 @@ pub(super) fn misfit(problem: &Problem, state: &State) -> Misfit {
     }
 }
 
+/// Probabilities of the sets: those with which the steps of a story are weighed, where there is one.
+fn probabilities_of_sets(findings: &Findings<'_>) -> Vec<f64> {
+    let Some(story) = &findings.story else { return findings.weights.sets.clone() };
+    let total = log_sum_exp(&story.logs);
+    let explained = 1.0 - findings.weights.unexplained;
+    story.logs.iter().map(|log| explained * exp(log - total)).collect()
+}
+
 /// The most probable sets; whatever their number, nothing and those that lead to the selected one are among them.
 pub(super) fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
     let story = findings.story.iter().flat_map(|story| story.sets.iter().copied());
     let always: Vec<usize> = [0, findings.selected].into_iter().chain(story).collect();
     let refits = &findings.state.refits;
     let mut order: Vec<usize> = (0..refits.len()).collect();
-    order.sort_by(|&a, &b| findings.weights.sets[b].total_cmp(&findings.weights.sets[a]).then(a.cmp(&b)));
+    let probabilities = probabilities_of_sets(findings);
+    order.sort_by(|&a, &b| probabilities[b].total_cmp(&probabilities[a]).then(a.cmp(&b)));
     let result = |place: usize| {
         let refit = &refits[place];
         ModelResult {
             effects: refit.effects.iter().map(|&effect| findings.id(effect).to_owned()).collect(),
             log_evidence: refit.log_evidence,
-            probability: findings.weights.sets[place],
+            probability: probabilities[place],
             chi_square: refit.chi_square,
             rmse_k: Rmse { train: refit.rmse_train_k, held_out: refit.rmse_held_out_k },
         }

@@ -13,12 +13,17 @@ use std::sync::Arc;
 
 /// A star in a chamber full of air, everything at 290 K.
 fn warm() -> Problem {
+    at(290.0)
+}
+
+/// The same with everything at another temperature, K.
+fn at(everywhere: f64) -> Problem {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let request = InjectionRequest { effects: 0, size: None, ..InjectionRequest::default() };
     let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
     let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
     let mut model = (*problem.model).clone();
-    let room = model.graph.number(290.0);
+    let room = model.graph.number(everywhere);
     for node in &mut model.nodes {
         if let NodeKind::Boundary { temperature } = &mut node.kind
             && model.graph.symbols(*temperature).is_empty()
@@ -33,7 +38,7 @@ fn warm() -> Problem {
         for phase in phases {
             for (value, input) in phase.inputs.iter_mut().zip(&inputs) {
                 match input.unit.as_str() {
-                    "K" => *value = 290.0,
+                    "K" => *value = everywhere,
                     "Pa" => *value = 1e5,
                     _ => {}
                 }
@@ -89,4 +94,14 @@ fn a_low_pressure_tells_of_vacuum_and_is_no_source_of_heat() {
     set(&mut problem, &name, 1e5);
     assert!(!is_vacuum(&problem), "one phase in air");
     assert!((before - of_it(&problem) - 3.0).abs() < 1e-12 && before > ln(1e-6));
+}
+
+#[test]
+fn surroundings_that_are_warmer_than_all_else_stand_for_a_source() {
+    let room = warm();
+    assert!(!is_source(&room, 292.0), "the wall of a room");
+    assert!(is_source(&room, 296.0));
+    // The room about a cold chamber is no boundary of its model.
+    let chamber = at(100.0);
+    assert!(!is_source(&chamber, 295.0) && is_source(&chamber, 310.0));
 }

@@ -32,6 +32,8 @@ fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
     assert_eq!(of(0.5, 100.0), " Errors of the model itself may be all that it stands for.");
     let pulled = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, Likeness::Gradient);
     assert!(pulled.starts_with(" A gradient within the node would read the same"), "{pulled}");
+    let warm = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, Likeness::Source);
+    assert!(warm.starts_with(" These surroundings are warmer than every boundary"), "{warm}");
 }
 
 /// Unseen rows are the reason only where the next effect is more probable than nothing: many weak ones together may be so too.
