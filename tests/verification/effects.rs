@@ -302,6 +302,8 @@ fn heats_follow_their_equations() {
         ("periodic-load:box:angle", 0.5 * (bmv::math::functions::cos(0.7) + bmv::math::functions::sin(0.7))),
         // A day and a half after the start.
         ("daily-load:box", -0.5),
+        // Noon is its peak as the catalogue has it, five hours long.
+        ("daily-hours-load:box", 0.5),
         ("dated-load:box", 0.5 * 0.5),
         // Far below its threshold of 300 K.
         ("missing-heater:box:box", 1.0),

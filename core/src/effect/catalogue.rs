@@ -25,6 +25,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("product-function-load", include_str!("catalogue/product-function-load.json")),
     ("periodic-load", include_str!("catalogue/periodic-load.json")),
     ("daily-load", include_str!("catalogue/daily-load.json")),
+    ("daily-hours-load", include_str!("catalogue/daily-hours-load.json")),
     ("dated-load", include_str!("catalogue/dated-load.json")),
     ("evaporation", include_str!("catalogue/evaporation.json")),
     ("dissipation-temperature", include_str!("catalogue/dissipation-temperature.json")),
