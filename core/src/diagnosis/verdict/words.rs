@@ -127,13 +127,17 @@ pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
         let widest = WIDTHS[WIDTHS.len() - 1].factor;
         let is_implausible = effect.prior_width >= widest && !effect.within_model;
         let words = match (likeness, is_implausible) {
-            (Likeness::Gradient, _) => "A gradient within the node would read the same: divide the node to see.",
-            (Likeness::Source, _) => {
-                "These surroundings are warmer than every boundary: a part that stores or makes heat would read the same."
+            (Likeness::Gradient, _) => {
+                "A gradient within the node would read the same: divide the node to see. Half of the probability is given to that."
             }
-            (Likeness::None, true) => "Errors of the model itself may be all that it stands for.",
+            (Likeness::Source, _) => {
+                "These surroundings are warmer than every boundary: a part that stores or makes heat would read the same. Half of the probability is given to that."
+            }
+            (Likeness::None, true) => {
+                "Errors of the model itself may be all that it stands for: half of the probability is given to them."
+            }
             (Likeness::None, false) => {
-                "It explains less than what else is missing: errors of the model itself may be all that it stands for."
+                "It explains less than what else is missing: errors of the model itself may be all that it stands for, so that half of the probability is given to them."
             }
         };
         return format!(" {words}");
@@ -268,8 +272,13 @@ impl OneThing {
     }
 }
 
+/// A temperature difference, K: in hundredths, a smaller one to two digits.
+fn kelvins(value: f64) -> String {
+    if value < 0.1 { short(value, 2) } else { format!("{value:.2}") }
+}
+
 fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
-    Some(format!("{before:.2} to {after:.2} K", before = before?, after = after?))
+    Some(format!("{} to {} K", kelvins(before?), kelvins(after?)))
 }
 
 /// What a step does to the errors, after a comma.
@@ -349,7 +358,7 @@ fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
     let [sd, noise, counts_as] = [worst.0, worst.1, worst.2].map(|size| short(size, 2));
     let left = chosen.rmse_train_k.map(|rmse| (rmse * rmse - worst.1 * worst.1).max(0.0).sqrt());
     let alike = format!(
-        "such errors are alike in readings that follow one another, so that a reading counts as one with a noise of {counts_as} K.{part}"
+        "such errors are alike in readings that follow one another, so that each of these weighs as little as one with a noise of {counts_as} K.{part}"
     );
     Some(match left.filter(|left| *left < CLEARLY_LESS * worst.0) {
         Some(left) => format!(
@@ -404,9 +413,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         misfit.reduced_chi2
     );
     if let Some(train) = misfit.rmse_k.train {
-        error.push_str(&format!(" and an RMSE of {train:.2} K on the fitted rows"));
+        error.push_str(&format!(" and an RMSE of {} K on the fitted rows", kelvins(train)));
         if let Some(held_out) = misfit.rmse_k.held_out {
-            error.push_str(&format!(", {held_out:.2} K on the held-out rows"));
+            error.push_str(&format!(", {} K on the held-out rows", kelvins(held_out)));
         }
     }
     if !findings.state.noise.is_empty() && findings.state.stated_family.is_none() {

@@ -8,6 +8,14 @@ use crate::inference::prior::transform::TransformError;
 use crate::inference::target::{Rejections, Target};
 use crate::random::Stream;
 
+/// That nothing could begin.
+fn no_start(tries: u64, reason: &str) -> String {
+    if tries == 1 {
+        return format!("it could not be evaluated where its fit begins: {reason}");
+    }
+    format!("none of {tries} starting points could be evaluated; most frequent reason: {reason}")
+}
+
 /// Why there is no chain.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SampleError {
@@ -15,7 +23,7 @@ pub enum SampleError {
     #[error(transparent)]
     Transform(#[from] TransformError),
     /// No point with a finite posterior density.
-    #[error("none of {tries} starting points could be evaluated; most frequent reason: {reason}")]
+    #[error("{}", no_start(*tries, reason))]
     NoStart {
         /// Points tried.
         tries: u64,

@@ -29,7 +29,10 @@ fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
     assert!(of(0.04, 1.0).is_empty());
     assert_eq!(of(0.13, 1.0), " Errors of the model itself explain as much with probability 13.0 %.");
     assert!(of(0.5, 10.0).starts_with(" It explains less than what else is missing"));
-    assert_eq!(of(0.5, 100.0), " Errors of the model itself may be all that it stands for.");
+    assert_eq!(
+        of(0.5, 100.0),
+        " Errors of the model itself may be all that it stands for: half of the probability is given to them."
+    );
     let pulled = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, Likeness::Gradient);
     assert!(pulled.starts_with(" A gradient within the node would read the same"), "{pulled}");
     let warm = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, Likeness::Source);
