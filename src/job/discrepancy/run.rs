@@ -447,7 +447,7 @@ impl Job for Discrepancy {
     }
 
     fn algorithm_version(&self) -> u32 {
-        1
+        2
     }
 
     fn identity(&self) -> Value {
