@@ -20,6 +20,7 @@ mod leaves;
 mod likelihood;
 mod linear_diagnosis;
 mod margins;
+mod melting;
 mod model_error;
 mod monitor_calibration;
 pub mod monitor_campaign;

@@ -44,6 +44,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("cooler-contact", include_str!("catalogue/cooler-contact.json")),
     ("sink-offset", include_str!("catalogue/sink-offset.json")),
     ("thermal-mass", include_str!("catalogue/thermal-mass.json")),
+    ("latent-heat", include_str!("catalogue/latent-heat.json")),
     ("hidden-node", include_str!("catalogue/hidden-node.json")),
     ("path-capacity", include_str!("catalogue/path-capacity.json")),
     ("sensor-bias", include_str!("catalogue/sensor-bias.json")),
