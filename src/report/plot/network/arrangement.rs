@@ -187,7 +187,8 @@ fn with_boxes(diagram: &Diagram) -> (Arrangement, Room) {
     let mut out = Arrangement { frame: (width, height), size, ..Arrangement::default() };
     for (name, _) in &diagram.nodes {
         // An added node is called like its effect.
-        let name = if diagram.adopted.contains(name) { name.trim_end_matches(".hidden") } else { name };
+        let is_effect = |own: &&str| diagram.adopted.contains(name) && diagram.adopted.iter().any(|other| other == own);
+        let name = name.rsplit_once('.').map(|(effect, _)| effect).filter(is_effect).unwrap_or(name);
         let broken = lines(name, size, NAME);
         let shown = if broken.len() > MOST_LINES { vec![out.list(name, INK)] } else { broken };
         out.names.push(shown);
