@@ -16,7 +16,7 @@ use crate::runner::manifest::FileRecord;
 use crate::runner::{ENGINE_VERSION, Key, Manifest};
 use crate::study::discover::passes;
 use crate::study::project::whole;
-use crate::study::{self, Pass};
+use crate::study::{self, Content, Pass};
 
 /// Folder of the reports in a project.
 const REPORTS: &str = "reports";
@@ -131,7 +131,8 @@ pub(super) fn rendered(
     for (role, path, content) in input_files(&written).map_err(failed)? {
         let sha256 = Key::try_from(content.sha256.clone()).map_err(failed)?;
         manifest.add_input(path_of(&path), FileRecord { bytes: content.bytes, sha256 });
-        files.push(FileHash { path, sha256: content.sha256, role: role.to_owned() });
+        let entries = if role == "model" { entries(&pass.study.join(&path), &content) } else { Vec::new() };
+        files.push(FileHash { path, sha256: content.sha256, role: role.to_owned(), entries });
     }
     let id = |of: &LoadedPass, name: &str| format!("{}:{name}", path_of(&of.file));
     for (position, job) in executed.results(pass) {
@@ -167,6 +168,19 @@ pub(super) fn rendered(
     }
     let rendered = report::render(&view).map_err(|error| failed(error.to_string()))?;
     Ok(Some((rendered.sealed(&origin_sha256), manifest)))
+}
+
+/// The entries of a model's file by section and name, for what tells two versions apart; none of one that has changed since it
+/// was read, or is no JSON.
+fn entries(path: &Path, content: &Content) -> Vec<(String, String)> {
+    let bytes = std::fs::read(path).ok().filter(|bytes| Content::of(bytes) == *content);
+    let parsed = bytes.and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
+    let sections = parsed.as_ref().and_then(serde_json::Value::as_object).into_iter().flatten();
+    let of = |(section, value): (&String, &serde_json::Value)| match value.as_object() {
+        Some(named) => named.iter().map(|(name, own)| (format!("{section}: {name}"), own.to_string())).collect(),
+        None => vec![(section.clone(), value.to_string())],
+    };
+    sections.flat_map(of).collect()
 }
 
 /// Neighbours to which the report of a pass links and whose reports do not lie beside it.

@@ -113,6 +113,7 @@ pub fn assemble<'p>(
         statements: pass.statements.clone(),
         environments: pass.environments.clone(),
         measurements: &pass.measurements,
+        tested: super::section::prediction::tested::of(pass),
         changes: pass
             .changes
             .iter()

@@ -73,6 +73,9 @@ pub struct PassErrors {
     /// What mends it where it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remedy: Option<String>,
+    /// Probability that noise alone leaves so large a misfit as the calibration does.
+    #[serde(skip)]
+    pub p_value: Option<f64>,
     /// Numbers of readings.
     pub readings: Readings,
     /// Hash of the readings themselves; two passes' errors are held against one another only where they have the same.
@@ -125,6 +128,7 @@ impl PassErrors {
             errors.log_evidence_sd = output.log_evidence.sd;
             errors.log_evidence_is_trusted = output.log_evidence.value.map(|_| output.log_evidence.is_trusted());
             errors.converged = Some(output.converged);
+            errors.p_value = output.p_value;
             errors.remedy = output.remedy().map(|remedy| remedy.in_words(name));
             errors.calibration = Some(name.to_owned());
         }

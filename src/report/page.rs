@@ -61,6 +61,12 @@ impl Text {
         self
     }
 
+    /// Appends another text, if there is one.
+    pub fn joined(mut self, other: Option<Self>) -> Self {
+        self.0.extend(other.into_iter().flat_map(|other| other.0));
+        self
+    }
+
     /// The text without its marks.
     pub fn in_plain_words(&self) -> String {
         let pieces = self.0.iter().map(|piece| match piece {

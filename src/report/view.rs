@@ -14,6 +14,7 @@ use crate::study::{AdoptedEffect, Closing, StudyDocument};
 
 use super::history::History;
 use super::number::Shown;
+use super::section::prediction::tested::Tested;
 
 /// A parameter's prior, SI.
 pub type Prior = (String, Distribution);
@@ -40,6 +41,8 @@ pub struct FileHash {
     pub sha256: String,
     /// What it is: `model`, `pass`, `data`, `effect`.
     pub role: String,
+    /// Of a model its entries, by section and name, with their texts.
+    pub entries: Vec<(String, String)>,
 }
 
 /// A job with its output.
@@ -120,6 +123,8 @@ pub struct PassReport<'a> {
     pub environments: Vec<Environment>,
     /// Measurements.
     pub measurements: &'a [Measurement],
+    /// What was tested for each prediction.
+    pub tested: Vec<Tested>,
     /// Changes against the parent pass.
     pub changes: Vec<ParameterChange>,
     /// Effects that the pass adds to the model.

@@ -187,6 +187,52 @@ fn no_requirement_is_called_met_by_a_model_that_fails_its_test() {
     }
 }
 
+/// A pass that predicts with the calibration of the pass before it, in an environment and with a model's file of its own.
+#[test]
+fn a_prediction_knows_the_misfit_and_the_tests_of_the_pass_that_it_carries() {
+    let root = plate();
+    let study = root.path().join("plate");
+    let written = fs::read_to_string(study.join("pass-1.json")).unwrap();
+    let tuned = written
+        .replace(r#""below": {"value": 41"#, r#""below": {"value": 90"#)
+        .replace(r#""held_out": {"phases": ["P2"]}"#, r#""inputs": {}"#)
+        .replace(r#""prior": {"propagate": {"samples": 64}},"#, r#""tuned": {"calibrate": {"draws": 500}},"#);
+    let model = fs::read_to_string(study.join("model.json")).unwrap();
+    fs::write(study.join("model-2.json"), model.replace(r#""capacity": 100"#, r#""capacity": 120"#)).unwrap();
+    let flight = r#"{"format": "bmv-pass/1", "title": "Flight", "parent": "pass-1.json", "model": "model-2.json",
+        "environments": {"hot": {"Q": {"value": 12, "unit": "W"}}},
+        "jobs": {"flight": {"predict": {"from": {"pass": "pass-1.json", "job": "tuned"}, "samples": 256, "environments": ["hot"]}}}}"#;
+    fs::write(study.join("pass-2.json"), flight).unwrap();
+    for (sigma, verdict) in [("0.1", "no claim: the tuned model does not explain its data"), ("2", "met")] {
+        let own = tuned.replace(r#""sigma": {"value": 0.5"#, &format!(r#""sigma": {{"value": {sigma}"#));
+        fs::write(study.join("pass-1.json"), own).unwrap();
+        printed(root.path(), &["report", "plate"]);
+        let record: Value = serde_json::from_str(&read(root.path(), "reports/plate/pass-2/record.json")).unwrap();
+        let row = &record["requirements"][0];
+        assert_eq!(row["verdict"].as_str(), Some(verdict), "{sigma}");
+        let state = row["state"].as_str().unwrap();
+        assert!(state.starts_with("tuned in pass-1.json"), "{state}");
+        assert_eq!(state.contains("does not explain its data"), sigma == "0.1", "{state}");
+        let report = read(root.path(), "reports/plate/pass-2/report.md").replace('\u{A0}', " ");
+        let summary = report.split("\n## ").nth(1).unwrap();
+        assert_eq!(summary.contains("The model tuned in `pass-1.json` does not explain"), sigma == "0.1", "{summary}");
+        for part in [
+            "tuned in `pass-1.json`, on which the prediction rests",
+            "(median; 98 % interval), margin +",
+            "**Beyond what was tested**: `hot`: `Q` 12.0",
+            "`plate temperature`",
+            "measured 33.00 to 43.00 °C",
+        ] {
+            assert!(summary.contains(part), "{part} in {summary}");
+        }
+        assert!(report.contains("Limits of validity: what this prediction has beyond"), "{report}");
+        let index = read(root.path(), "reports/plate/index.md");
+        let changed = index.lines().find(|line| line.contains("model file")).unwrap();
+        assert!(changed.contains("model-2.json") && changed.contains("nodes: plate"), "{changed}");
+        assert!(changed.contains("120") && !changed.contains("mount"), "{changed}");
+    }
+}
+
 /// Two readings that no conductance explains at once: 0.6 and 1.2 K off by a noise of 0.1 K, within criteria of 3 K.
 #[test]
 fn no_requirement_is_called_met_by_a_tuned_model_that_does_not_explain_its_data() {

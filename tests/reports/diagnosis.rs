@@ -141,6 +141,46 @@ fn rivals_are_named_with_the_phase_that_parts_them() {
     has(&own, &["with probability 97.0 %; repeating the best old phase: 60.0 %", "27.00", "28.00"]);
 }
 
+/// Of effects that cannot be told apart the proposed one may be the less probable: the page leads with the group then.
+#[test]
+fn a_rival_that_is_more_probable_than_what_is_proposed_is_said_first() {
+    let shown = |rival: f64| {
+        let mut sample = diagnosed("ambiguous");
+        assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            (output.effects[0].probability, output.effects[1].probability) = (0.226, rival);
+        }));
+        rendered(&sample).markdown.replace('\u{A0}', " ").split("\n## ").nth(1).expect("a summary").to_owned()
+    };
+    let summary = shown(0.753);
+    has(
+        &summary,
+        &[
+            "**ambiguous**: **one of 2 effects** that these data cannot tell apart; proposed, with a probability of 22.6 %",
+        ],
+    );
+    has(&summary, &["What is missing: One of 2 effects.", "more probable: `radiative-path:baseplate:board` 75.3 %"]);
+    has(&summary, &["Log Bayes factors: 41.2", "the evidence against the model without it"]);
+    let summary = shown(0.1);
+    assert!(!summary.contains("One of 2 effects") && !summary.contains("more probable"), "{summary}");
+}
+
+#[test]
+fn a_daily_load_is_stated_by_its_amplitude_and_the_time_of_its_maximum() {
+    let mut sample = diagnosed("identified");
+    assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        let effect = &mut output.effects[0];
+        let mut part = effect.amplitudes.remove("conductance").expect("an amplitude");
+        (part.unit, part.sd) = ("W".into(), 0.01);
+        let with = |value: f64| bmv::diagnosis::output::Amount { value, ..part.clone() };
+        effect.effect = "daily-load".into();
+        effect.amplitudes = [("cosine".to_owned(), with(0.0)), ("sine".to_owned(), with(-0.3))].into();
+    }));
+    let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+    let stated = "0.300 ± 0.010 W, largest 18.0 h after the record's start and every 24 h";
+    has(markdown.split("\n## ").nth(1).expect("a summary"), &[stated, &format!("amplitude {stated}")]);
+    has(&section(&markdown, "diagnosis"), &[stated]);
+}
+
 #[test]
 fn what_is_settled_beside_what_is_open_is_the_next_step() {
     let mut sample = diagnosed("ambiguous");
@@ -185,7 +225,28 @@ fn what_nothing_explains_is_shown_as_heat_by_node_and_phase() {
 
 #[test]
 fn an_adequate_model_comes_with_what_would_have_shown() {
-    let (summary, own) = told("adequate");
+    let shown = |p: f64, probability: f64| {
+        let mut sample = diagnosed("adequate");
+        assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            output.misfit.family_wise_p = p;
+            output.effects[0].probability = probability;
+        }));
+        let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+        let summary = markdown.split("\n## ").nth(1).expect("a summary").to_owned();
+        (summary, section(&markdown, "diagnosis"))
+    };
+    // The words agree with the numbers beside them.
+    for (p, probability, part) in [
+        (0.015, 0.01, "noise alone leaves such a misfit with p = 0.015 only"),
+        (0.4, 0.476, "`conductive-path:baseplate:board` is missing with a probability of 47.6 %"),
+    ] {
+        let (summary, own) = shown(p, probability);
+        has(&summary, &["nothing that is sure", "no effect is needed by the level of the tests", part]);
+        has(&own, &["no effect is needed by the level of the tests, but", part]);
+        assert!(!summary.contains("nothing is missing that"), "{summary}");
+    }
+    let (summary, own) = shown(0.4, 0.01);
+    has(&summary, &["nothing is missing that these data could show"]);
     has(&summary, &["nothing that shows", "120 effects and 7140 pairs", "How sure: adequate"]);
     has(&own, &["`heat-load` | 1 | 0.012 W | `board` | 0.012 W | `board` |", "none is needed"]);
     assert!(!summary.contains("What else it could be"), "{summary}");

@@ -633,7 +633,7 @@ fn networks_of_any_shape_are_drawings() {
         diagram.paths.push(("self".into(), Path::Cooler, 0, 0));
         let svg = network(&diagram).svg("id", "title", "description", true);
         assert_well_formed(&svg);
-        assert!(count == 0 || svg.contains("\nnode 0 \n"));
+        assert!(count == 0 || svg.contains("\nnode 0\n"));
     }
 }
 

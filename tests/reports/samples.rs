@@ -56,6 +56,7 @@ impl Sample {
             statements: Vec::new(),
             environments: self.environments.clone(),
             measurements: &self.measurements,
+            tested: Vec::new(),
             changes: vec![ParameterChange {
                 what: "G_bi".into(),
                 before: "uniform, 0.4 to 1.2 W/K".into(),
@@ -65,7 +66,12 @@ impl Sample {
             adopted: Vec::new(),
             results: self.results.clone(),
             history: None,
-            files: vec![FileHash { path: "model.json".into(), sha256: "ab".repeat(32), role: "model".into() }],
+            files: vec![FileHash {
+                path: "model.json".into(),
+                sha256: "ab".repeat(32),
+                role: "model".into(),
+                entries: Vec::new(),
+            }],
             engine_version: "1".into(),
             command: "bmv report studies/sample/pass-1.json".into(),
             warnings: Vec::new(),

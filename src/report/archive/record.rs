@@ -1,7 +1,10 @@
 //! `record.json`: what a pass's report says in brief, for the pages over several passes. Format `bmv-record/1`.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use crate::document::hash::sha256_hex;
 use crate::job::predict;
 use crate::report::history::PassErrors;
 use crate::report::known::{self, Known};
@@ -27,6 +30,17 @@ pub struct Change {
     pub after: String,
     /// Why.
     pub because: String,
+}
+
+/// A model's file as a pass read it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ModelFile {
+    /// Path within the study.
+    pub path: String,
+    /// SHA-256 of its bytes, lower-case hex.
+    pub sha256: String,
+    /// Its entries, by section and name, with their texts, or hashes of long ones; none where there are too many.
+    pub entries: BTreeMap<String, String>,
 }
 
 /// What a prediction takes of a calibration.
@@ -80,6 +94,9 @@ pub struct Record {
     pub parameters: Vec<Known>,
     /// Requirements.
     pub requirements: Vec<Judged>,
+    /// The model's file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelFile>,
     /// Nominal values and priors against the model's file.
     pub changes: Vec<Change>,
     /// Adopted effects.
@@ -89,6 +106,20 @@ pub struct Record {
     /// Design values to which its approaches lead.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub design_values: Vec<DesignValue>,
+}
+
+/// Entries of a model's file that a record holds, and letters of one of them.
+const MOST_ENTRIES: usize = 500;
+const MOST_LETTERS: usize = 80;
+/// How the hash of a longer one begins.
+pub(super) const HASH: &str = "sha256:";
+
+fn short_entries(entries: &[(String, String)]) -> BTreeMap<String, String> {
+    let short = |text: &String| {
+        if text.len() <= MOST_LETTERS { text.clone() } else { format!("{HASH}{}", sha256_hex(text.as_bytes())) }
+    };
+    let few = if entries.len() <= MOST_ENTRIES { entries } else { &[] };
+    few.iter().map(|(name, text)| (name.clone(), short(text))).collect()
 }
 
 impl Record {
@@ -120,6 +151,12 @@ impl Record {
             errors,
             parameters: known::parameters(report),
             requirements: judged(report),
+            // That of the pass itself stands before those of its parents.
+            model: report.files.iter().find(|own| own.role == "model").map(|own| ModelFile {
+                path: own.path.clone(),
+                sha256: own.sha256.clone(),
+                entries: short_entries(&own.entries),
+            }),
             changes: (report.changes.iter())
                 .map(|own| Change {
                     what: own.what.clone(),

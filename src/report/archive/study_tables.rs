@@ -1,16 +1,23 @@
 //! Tables over the passes of a study: requirements, key statements, parameters, changes, what flies.
 
+use std::collections::BTreeSet;
+
 use crate::document::counted;
 use crate::report::known::Known;
 use crate::report::number::{NONE, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
 use crate::report::plot::{Axis, Bar, bar_chart, palette};
 
+use super::record::{HASH, ModelFile};
 use super::study_page::{link, name};
 use super::{ArchivedPass, ArchivedStudy};
 
 /// Parameters whose intervals are drawn.
 const MOST_FIGURES: usize = 12;
+/// Hexadecimal digits of a file's hash that are shown.
+const DIGITS: usize = 12;
+/// Changed entries of a model's file that are named.
+const MOST_ENTRIES: usize = 6;
 
 /// A table of the rows of the last pass that has any, and those of earlier passes folded below it.
 fn latest_first(
@@ -222,11 +229,57 @@ fn bar(label: String, interval: [f64; 2], text: String) -> Bar {
     Bar { label, from: low, value: high, interval: Some(interval), text, colour: palette::SKY }
 }
 
+/// That the model's file of a pass is another one than that of the pass before it, and what differs.
+fn of_model(pass: &ArchivedPass, earlier: &[&ArchivedPass]) -> Option<Vec<Cell>> {
+    let own = pass.record.model.as_ref()?;
+    let parent = pass.record.errors.as_ref().and_then(|errors| errors.parent.as_ref());
+    let before = earlier.iter().rev().find(|other| parent == Some(&other.record.pass)).or(earlier.last())?;
+    let before = before.record.model.as_ref().filter(|before| before.sha256 != own.sha256)?;
+    let short = |file: &ModelFile| {
+        let digits: String = file.sha256.chars().take(DIGITS).collect();
+        Text::default().code(&file.path).plain(" ").code(digits)
+    };
+    let names: BTreeSet<&String> = before.entries.keys().chain(own.entries.keys()).collect();
+    let words = names.into_iter().filter_map(|name| match (before.entries.get(name), own.entries.get(name)) {
+        (Some(before), Some(after)) if before == after => None,
+        (Some(before), Some(after)) if ![before, after].iter().any(|own| own.starts_with(HASH)) => {
+            Some(format!("{name}: {before} \u{2192} {after}"))
+        }
+        (Some(_), Some(_)) => Some(format!("{name} changed")),
+        (None, _) => Some(format!("{name} added")),
+        (_, None) => Some(format!("{name} removed")),
+    });
+    let words: Vec<String> = words.collect();
+    let more = words.len().saturating_sub(MOST_ENTRIES);
+    let mut text = words.iter().take(MOST_ENTRIES).cloned().collect::<Vec<_>>().join("; ");
+    if more > 0 {
+        text.push_str(&format!("; {}", counted(more, "more entry")));
+    }
+    // Without entries on both sides only the hashes are known to differ.
+    let is_known = !before.entries.is_empty() && !own.entries.is_empty();
+    let text = match (is_known, words.is_empty()) {
+        (true, false) => text,
+        (true, true) => "the same entries, written otherwise".to_owned(),
+        (false, _) => "what differs is not known".to_owned(),
+    };
+    Some(vec![
+        Cell::from(link(pass)),
+        "model file".into(),
+        Cell::code(&own.path),
+        Cell::from(short(before)),
+        Cell::from(short(own)),
+        text.into(),
+    ])
+}
+
 /// Every change with its reason, where it first stands.
 pub(super) fn changes(study: &ArchivedStudy) -> Option<Section> {
     let mut seen = Vec::new();
     let mut rows = Vec::new();
+    let mut earlier: Vec<&ArchivedPass> = Vec::new();
     for pass in &study.passes {
+        rows.extend(of_model(pass, &earlier));
+        earlier.push(pass);
         let parameters = pass.record.changes.iter().map(|own| ("parameter", own));
         let effects = pass.record.adopted.iter().map(|own| ("effect", own));
         for (kind, own) in parameters.chain(effects) {
@@ -249,7 +302,7 @@ pub(super) fn changes(study: &ArchivedStudy) -> Option<Section> {
         id: "changes",
         title: "Change log".into(),
         blocks: vec![Block::Table(Table {
-            caption: "Every change of the model over all passes, where it first stands: nominal values and priors against the model's \
+            caption: "Every change of the model over all passes, where it first stands: another model's file, nominal values and priors against the model's \
                       file, and adopted effects."
                 .into(),
             columns: vec![

@@ -7,6 +7,9 @@ use crate::math::functions::{cos, sin};
 /// Sweeps of the majorisation; it has settled well before for networks that fit a page.
 const SWEEPS: usize = 200;
 
+/// Distance of boxes from the rim of the canvas, pixels.
+pub const FREE: f64 = 14.0;
+
 /// Positions in the unit square for `count` nodes joined by `links`; `sinks` end up low.
 pub fn positions(count: usize, links: &[(usize, usize)], sinks: &[bool]) -> Vec<(f64, f64)> {
     if count < 2 {
@@ -136,7 +139,7 @@ pub fn push_apart(centres: &mut [(f64, f64)], sizes: &[(f64, f64)], gap: f64, ca
             }
         }
         for (centre, size) in centres.iter_mut().zip(sizes) {
-            let (half_x, half_y) = (size.0 / 2.0 + 8.0, size.1 / 2.0 + 8.0);
+            let (half_x, half_y) = (size.0 / 2.0 + FREE, size.1 / 2.0 + FREE);
             centre.0 = centre.0.clamp(half_x, (canvas.0 - half_x).max(half_x));
             centre.1 = centre.1.clamp(half_y, (canvas.1 - half_y).max(half_y));
         }

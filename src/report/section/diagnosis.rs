@@ -4,6 +4,7 @@ mod brief;
 mod detectable;
 mod figures;
 mod heat;
+mod words;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Amount, DiscriminatingExperiment, EffectResult, Output, RmseChange};
@@ -15,6 +16,7 @@ use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Ton
 use crate::report::view::PassReport;
 
 use super::Entry;
+pub(super) use words::{led_by_group, more_probable, near_miss, one_of, proposed_first, size};
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;
@@ -72,7 +74,13 @@ fn before_the_verdict(output: &Output) -> impl Iterator<Item = Block> {
 /// The verdict and what it means, in a line.
 pub(super) fn verdict(output: &Output) -> Text {
     let meaning = match output.verdict {
-        Verdict::Adequate => ": nothing is missing that these data could show.",
+        Verdict::Adequate => match near_miss(output) {
+            Some(near) => {
+                let text = Text::default().strong(output.verdict.word());
+                return text.plain(": no effect is needed by the level of the tests, but ").joined(Some(near));
+            }
+            None => ": nothing is missing that these data could show.",
+        },
         Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
         Verdict::Ambiguous if output.is_without_rival() => {
             ": effects explain the misfit that have no rivals, but these data do not settle that they are there."
@@ -126,6 +134,9 @@ fn amplitudes(effect: &EffectResult) -> String {
         _ if is_open(value) => format!("{name} open"),
         _ => format!("{name} {}", amount(value)),
     };
+    if words::is_harmonic(effect) {
+        return size(effect).map_or_else(String::new, |(name, size)| format!("{name} {size}"));
+    }
     let all: Vec<String> = effect.amplitudes.iter().enumerate().take(2).map(one).collect();
     let more = effect.amplitudes.len().saturating_sub(2);
     if more > 0 { format!("{}; {more} more", all.join("; ")) } else { all.join("; ") }

@@ -125,7 +125,7 @@ sections! {
     diagnosis,
     discrepancy,
     history,
-    prediction,
+    pub prediction,
     figures,
     pub margins,
     record,

@@ -1,6 +1,8 @@
 //! Predictions after calibration: the posterior carried to environments, beside the same with the priors.
 
 mod brief;
+pub mod tested;
+pub(super) mod untested;
 
 use crate::document::counted;
 use crate::job::predict::{Kind, Output, Term, Validated};
@@ -33,6 +35,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
         }
         blocks.extend(failures(&output.posterior));
         blocks.extend(output.validated.iter().flat_map(|validated| added(report, validated)));
+        blocks.extend(untested::table(report, name));
         if output.posterior.cases.iter().any(|case| !case.requirements.is_empty()) {
             blocks.push(requirements(report, output));
             let claims = nominal_cases(&output.posterior).flat_map(|case| &case.requirements);

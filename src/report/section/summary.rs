@@ -13,7 +13,7 @@ use crate::job::{calibrate, compare, conventional, diagnose, predict, propagate}
 use crate::report::page::{Block, Figure, Section, Statement, Text, Tone};
 use crate::report::view::PassReport;
 
-use super::validation::is_unconverged;
+use super::validation::{is_unconverged, tuned_in};
 use super::{Entry, comparison, network, prediction, propagation, surrogate};
 
 /// Statements on the first screen.
@@ -30,6 +30,7 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
     blocks.extend(outcome::next_step(report).map(|text| Block::callout(Tone::Next, text)));
     blocks.extend(adopted::in_predictions(report));
     blocks.extend(data_warnings(report));
+    blocks.extend(prediction::untested::warning(report));
     let (table, notes) = ladder::table(report).unzip();
     blocks.extend(table.map(Block::Table));
     let pictures: Vec<Figure> = network::picture(report, true).into_iter().chain(main_picture(report)).collect();
@@ -127,7 +128,9 @@ fn statements(report: &PassReport<'_>) -> Vec<Statement> {
 
 /// The picture of the first screen; in full it stands in the section that it belongs to.
 fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
-    if let Some((job, output)) = report.outputs::<compare::Kind>().find(|(_, o)| !o.rows.is_empty()) {
+    // A state that the predictions do not rest on is no picture of them.
+    let compared = || report.outputs::<compare::Kind>().find(|(_, output)| !output.rows.is_empty());
+    if let Some((job, output)) = if tuned_in(report).is_some() { None } else { compared() } {
         let shows = comparison::Shows::of(output);
         let worst = comparison::worst_sensor(output);
         let first = output.rows.first()?;
@@ -144,9 +147,13 @@ fn main_picture(report: &PassReport<'_>) -> Option<Figure> {
     {
         return Some(figure);
     }
-    let (job, output) = report.outputs::<propagate::Kind>().next()?;
-    propagation::probability_figures(output, job, true).into_iter().next().or_else(|| {
+    let first = |job: &str, output: &propagate::Output| {
         let case = propagation::nominal_cases(output).next()?;
         Some(propagation::histogram(case, case.quantities.first()?, job, true))
-    })
+    };
+    if let Some((job, prediction)) = report.outputs::<predict::Kind>().next() {
+        return first(job, &prediction.posterior);
+    }
+    let (job, output) = report.outputs::<propagate::Kind>().next()?;
+    propagation::probability_figures(output, job, true).into_iter().next().or_else(|| first(job, output))
 }

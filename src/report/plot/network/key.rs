@@ -1,8 +1,12 @@
 //! The key below a network: a mark of each kind that the picture holds, with its name.
 
-use super::super::canvas::{Canvas, Lettering, SMALL, text_width};
-use super::super::palette::{AMBER, GREEN, GRID, INK, MUTED, diverging};
-use super::{BAND, Diagram, HEATER, LOAD, MOST_NAMED, NodeShape, Path, Source, paint_node, paint_path, path_words};
+use super::super::canvas::{Anchor, Canvas, Lettering, SMALL, text_width};
+use super::super::palette::{GRID, INK, MUTED, diverging};
+use super::arrangement::Arrangement;
+use super::room::height;
+use super::{
+    BAND, Diagram, HEATER, LOAD, MOST_NAMED, NodeShape, Path, Source, paint_arrow, paint_node, paint_path, path_words,
+};
 use crate::report::number::significant;
 
 /// An entry of the key: a mark and what it means.
@@ -41,13 +45,9 @@ impl Key {
 
     fn paint(self, canvas: &mut Canvas<'_>, (x, y): (f64, f64)) {
         match self {
-            Self::Node(kind) => paint_node(canvas, ("", ""), (kind, None), ((x + 30.0, y), (56.0, 32.0)), SMALL),
+            Self::Node(kind) => paint_node(canvas, (&[], ""), (kind, None), ((x + 30.0, y), (56.0, 32.0)), SMALL),
             Self::Path(kind) => paint_path(canvas, kind, (x, y), (x + 62.0, y)),
-            Self::Source(kind) => {
-                let colour = if kind == Source::Load { GREEN } else { AMBER };
-                canvas.path(&[(x, y), (x + 50.0, y)], colour, 6);
-                canvas.arrow_head((x, y), (x + 62.0, y), colour, 28.0);
-            }
+            Self::Source(kind) => paint_arrow(canvas, kind, false, ((x, y), (x + 62.0, y))),
             Self::Deviation(_) => {
                 for step in 0..=10 {
                     let (left, share) = (x + 11.0 * f64::from(step), f64::from(step) / 5.0 - 1.0);
@@ -119,6 +119,20 @@ pub(super) fn paint_key(canvas: &mut Canvas<'_>, key: &[Key], y: f64, width: f64
             x += own.mark_width();
             canvas.text(&own.words(), (x, y), Lettering::new(SMALL, INK));
             x += text_width(&own.words(), SMALL) + 34.0;
+        }
+    }
+}
+
+/// What stands in the picture as a number, or found no place there.
+pub(super) fn paint_listed(canvas: &mut Canvas<'_>, placed: &Arrangement, top: f64) {
+    let step = height(1, SMALL);
+    let mut y = top + 0.5 * step;
+    for (number, entry) in placed.listed.iter().enumerate() {
+        let lettering = Lettering::new(SMALL, entry.colour);
+        canvas.text(&(number + 1).to_string(), (62.0, y), lettering.bold().at(Anchor::End));
+        for line in &entry.lines {
+            canvas.text(line, (84.0, y), lettering);
+            y += step;
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::expression::Symbol;
 use crate::job::compare::Kind;
+use crate::report::section::validation::tuned_in;
 use crate::report::view::PassReport;
 
 use super::{Shows, full_scale};
@@ -27,9 +28,13 @@ fn node(report: &PassReport<'_>, measurement: &str, sensor: &str) -> Option<usiz
     }
 }
 
-/// The deviations of the first comparison that has any; none where all agree with the model to the last digit.
+/// The deviations of the first comparison that has any; none where all agree with the model to the last digit, or where the
+/// predictions of the pass rest on another state.
 pub(in crate::report::section) fn at_nodes(report: &PassReport<'_>) -> Option<AtNodes> {
     let output = report.outputs::<Kind>().map(|(_, output)| output).find(|output| !output.rows.is_empty())?;
+    if tuned_in(report).is_some() {
+        return None;
+    }
     let shows = Shows::of(output);
     let mut largest: Vec<Option<f64>> = vec![None; report.model.nodes.len()];
     for sensor in output.sensors.iter().filter(|sensor| sensor.unit == "K") {

@@ -4,6 +4,7 @@ use crate::job::compare::{self, Deviation};
 use crate::measurement::{Measurement, Rows};
 use crate::report::number::{NONE, Shown, fixed, significant};
 use crate::report::page::{Block, Cell, Column, Status, Table, Text};
+use crate::report::section::prediction::tested::input_in_row;
 use crate::report::view::PassReport;
 
 /// Test configuration, stabilisation, heat balance, prediction against test.
@@ -114,14 +115,11 @@ pub(super) fn domain(report: &PassReport<'_>) -> Option<Block> {
     let mut rows = Vec::new();
     for (position, input) in report.model.inputs.iter().enumerate() {
         let shown = Shown::written(&input.unit);
-        let tested: Vec<f64> = (report.measurements.iter())
-            .filter_map(|measurement| match &measurement.rows {
-                Rows::Steady(phases) => Some(phases.iter().filter(|own| own.ignored.is_none())),
-                Rows::Transient { .. } => None,
-            })
-            .flatten()
-            .filter_map(|phase| phase.inputs.get(position).copied())
-            .collect();
+        let of = |measurement: &Measurement| -> Vec<f64> {
+            let rows = (0..measurement.len()).filter(|&row| !measurement.ignored(row));
+            rows.filter_map(|row| input_in_row(measurement, row, position)).filter(|value| value.is_finite()).collect()
+        };
+        let tested: Vec<f64> = report.measurements.iter().flat_map(of).collect();
         let low = tested.iter().copied().reduce(f64::min);
         let high = tested.iter().copied().reduce(f64::max);
         let Some((low, high)) = low.zip(high) else { continue };
@@ -143,7 +141,7 @@ pub(super) fn domain(report: &PassReport<'_>) -> Option<Block> {
     }
     (!rows.is_empty()).then(|| {
         Block::Table(Table {
-            caption: "Inputs of the environments against those of the steady phases that were tested.".into(),
+            caption: "Inputs of the environments against those of the phases and instants that were tested.".into(),
             columns: vec![
                 Column::text("Input"),
                 Column::text("Tested"),

@@ -7,6 +7,7 @@ use crate::report::history::PassErrors;
 use crate::report::ladder::{Standing, standings, unit};
 use crate::report::number::{NONE, Shown, fixed, signed, typeset};
 use crate::report::page::{Cell, Column, Status, Table, Text};
+use crate::report::section::validation::tuned_in;
 use crate::report::view::PassReport;
 
 /// Passes before this one that stand in the ladder, the first and the last of them.
@@ -52,9 +53,10 @@ pub(super) fn table(report: &PassReport<'_>) -> Option<(Table, Text)> {
     Some(laid_out(&rungs, &unit, noise))
 }
 
-/// Whether the first state of a comparison is none that anybody uses: effects at nominal size, beside the tuned one.
+/// Whether the first state of a comparison is none that anybody uses: effects at nominal size, beside the tuned one, or untuned
+/// where predictions rest on the tuned state of an earlier pass.
 fn is_half_way(output: &compare::Output, report: &PassReport<'_>) -> bool {
-    !report.adopted.is_empty() && output.tuned.is_some()
+    !report.adopted.is_empty() && output.tuned.is_some() || tuned_in(report).is_some()
 }
 
 /// What a state is called.

@@ -8,10 +8,13 @@ use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output, StorySte
 use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
-use crate::report::section::diagnosis::{amount, chance};
+use crate::report::section::diagnosis::{chance, more_probable, near_miss, one_of, proposed_first, size};
 
 /// Rivals that a statement names.
 const MOST_RIVALS: usize = 3;
+/// What a Bayes factor tells and a probability does not.
+const AGAINST: &str =
+    ": the evidence against the model without it, where the probability is shared with the other candidates.";
 /// Steps that stand on the first screen.
 const MOST_STEPS: usize = 3;
 
@@ -60,7 +63,13 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
                 counted(effects, "effect"),
                 counted(pairs, "pair")
             );
-            statement("nothing that shows", text.into(), Some(Status::Ok))
+            match near_miss(output) {
+                Some(near) => {
+                    let text = Text::new("By the level of the tests no effect is needed, but ").joined(Some(near));
+                    statement("nothing that is sure", text, Some(Status::Caution))
+                }
+                None => statement("nothing that shows", text.into(), Some(Status::Ok)),
+            }
         }
         (Verdict::Unexplained, _) | (_, []) => {
             let mut text = Text::new("No effect of the catalogue explains the misfit. ");
@@ -84,8 +93,7 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
         (_, selected) => {
             let mut text = Text::default();
             for (position, effect) in selected.iter().enumerate() {
-                let size = effect.amplitudes.iter().next();
-                let size = size.map_or_else(String::new, |(name, value)| format!(", {name} {}", amount(value)));
+                let size = size(effect).map_or_else(String::new, |(name, size)| format!(", {name} {size}"));
                 text = text.plain(if position == 0 { "" } else { "; " }).code(&effect.id).plain(size);
                 if let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) {
                     let (size, way) = if most >= -least { (most, "into") } else { (-least, "out of") };
@@ -93,8 +101,15 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
                     text = text.plain(format!(", up to {size} {way} ")).code(&first.node);
                 }
             }
-            let titles: Vec<&str> = selected.iter().map(|effect| effect.title.as_str()).collect();
-            statement(&titles.join(" + "), text.plain("."), Some(Status::Caution))
+            let rivals: Vec<&EffectResult> = selected.iter().flat_map(|effect| more_probable(output, effect)).collect();
+            if rivals.is_empty() {
+                let titles: Vec<&str> = selected.iter().map(|effect| effect.title.as_str()).collect();
+                return statement(&titles.join(" + "), text.plain("."), Some(Status::Caution));
+            }
+            // A name that a rival beats is no headline.
+            let groups: Vec<String> = selected.iter().map(|effect| one_of(output, effect)).collect();
+            let text = Text::new("Proposed: ").joined(Some(text)).plain("; ");
+            statement(&groups.join(" + "), proposed_first(text, &rivals).plain("."), Some(Status::Caution))
         }
     }
 }
@@ -115,8 +130,11 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
         }
         (_, Some(model)) => {
             let each: Vec<String> = selected.iter().map(|effect| fixed(effect.log_bayes_factor, 1)).collect();
-            let factor =
-                if each.is_empty() { String::new() } else { format!(" Log Bayes factors: {}.", each.join(", ")) };
+            let factor = if each.is_empty() {
+                String::new()
+            } else {
+                format!(" Log Bayes factors: {}{AGAINST}", each.join(", "))
+            };
             let wrong = p(output.misfit.family_wise_p);
             if output.verdict == Verdict::Ambiguous {
                 let set_probability = chance(model.probability);

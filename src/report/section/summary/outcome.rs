@@ -7,19 +7,21 @@ use crate::document::visible::shell_word;
 use crate::expression::Unit;
 use crate::job::{calibrate, compare, diagnose, goal, predict, propagate, test_plan};
 use crate::report::ladder;
-use crate::report::number::{self, Shown, signed, significant, with_error, with_unit};
+use crate::report::number::{self, NONE, Shown, signed, significant, with_error, with_unit};
 use crate::report::page::{Statement, Status, Text};
-use crate::report::section::diagnosis::{amount, chance};
-use crate::report::section::problem::limits;
-use crate::report::section::propagation::{nominal_cases, probability_stated, standing};
+use crate::report::section::compliance::{Judged, counts, judged};
+use crate::report::section::diagnosis::{chance, led_by_group, more_probable, near_miss, proposed_first, size};
+use crate::report::section::propagation::{nominal_cases, standing};
 use crate::report::section::summary::missing::probability_of_set;
 use crate::report::section::summary::unconverged;
-use crate::report::section::validation::{IMPROBABLE, Rests, claim};
+use crate::report::section::validation::{IMPROBABLE, misfit, tuned_in};
 use crate::report::view::PassReport;
 use crate::study::requirement::ALL;
 
 /// Letters of the rivals' ids that a line of the next step has room for.
 const MOST_LETTERS: usize = 70;
+/// Requirements that the headline states.
+const MOST_REQUIREMENTS: usize = 3;
 /// Draws next to a bound, above which a parameter is said to press against it.
 pub(super) const PRESSES: f64 = 0.05;
 
@@ -30,7 +32,7 @@ pub(super) fn headline(report: &PassReport<'_>) -> Option<Text> {
     let mut parts: Vec<Text> = unconverged::headline(report).into_iter().chain(diagnosis).collect();
     parts.extend(of_error(report, is_first));
     parts.extend(of_bounds(report));
-    parts.extend(of_requirement(report));
+    parts.extend(of_requirements(report));
     let mut whole = Text::default();
     for (position, part) in parts.into_iter().enumerate() {
         whole = if position == 0 { whole } else { whole.plain(" ") };
@@ -49,8 +51,8 @@ fn in_words(mut text: Text, effect: &EffectResult) -> Text {
     for (position, name) in effect.place.iter().enumerate() {
         text = text.plain(if position == 0 { before } else { " and " }).code(name);
     }
-    if let Some((_, size)) = effect.amplitudes.iter().next() {
-        text = text.plain(format!(": {}", amount(size)));
+    if let Some((_, size)) = size(effect) {
+        text = text.plain(format!(": {size}"));
     }
     if let Some([least, most]) = effect.watts {
         let size = if most >= -least { most } else { -least };
@@ -64,18 +66,27 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     let text = Text::default().strong(output.verdict.word()).plain(": ");
     match (output.verdict, selected.as_slice()) {
-        (Verdict::Adequate, _) => text.plain(format!(
-            "nothing is missing that these data could show ({} over all tests).",
-            p_stated(output.misfit.family_wise_p)
-        )),
+        (Verdict::Adequate, _) => {
+            let p = p_stated(output.misfit.family_wise_p);
+            match near_miss(output) {
+                Some(near) => {
+                    // Said once, where the tests are near their level.
+                    let tests = if near.in_plain_words().contains(&p) { String::new() } else { format!(" ({p})") };
+                    let text = text.plain(format!("no effect is needed by the level of the tests{tests}, but "));
+                    text.joined(Some(near))
+                }
+                None => text.plain(format!("nothing is missing that these data could show ({p} over all tests).")),
+            }
+        }
         (Verdict::Unexplained, _) | (_, []) => {
             text.plain("something is missing, and nothing in the catalogue explains it.")
         }
         (verdict, [first, more @ ..]) => {
-            let mut text = in_words(text, first);
+            let mut text = in_words(led_by_group(text, output, first), first);
             for effect in more {
-                text = in_words(text.plain("; and "), effect);
+                text = in_words(led_by_group(text.plain("; and "), output, effect), effect);
             }
+            let rivals: Vec<&EffectResult> = selected.iter().flat_map(|effect| more_probable(output, effect)).collect();
             let model = output.models.iter().find(|model| {
                 model.effects.len() == selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
             });
@@ -84,6 +95,7 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                     let what = if more.is_empty() { "it is" } else { "they are" };
                     text.plain(format!("; these data do not settle that {what} there."))
                 }
+                (Verdict::Ambiguous, _) if !rivals.is_empty() => proposed_first(text.plain("; "), &rivals).plain("."),
                 (Verdict::Ambiguous, _) => text.plain("; rivals explain the data as well."),
                 (_, Some(model)) => {
                     text.plain(format!("; probability {}.", chance(probability_of_set(model.probability, &selected))))
@@ -136,6 +148,12 @@ fn of_error(report: &PassReport<'_>, is_first: bool) -> Option<Text> {
     if let Some(tuned) = states.get(1) {
         return Some(format!("{what} {error} {untuned}, {} after tuning.", shown.text(tuned.error()?)).into());
     }
+    if let Some(pass) = tuned_in(report) {
+        let error = shown.text(pass.standings.get(1)?.error()?);
+        return Some(
+            Text::new(format!("{what} {error} tuned in ")).code(&pass.pass).plain(", on which the prediction rests."),
+        );
+    }
     let text = Text::new(format!("{what} {error} {untuned}."));
     let Some(worst) = delivered.worst.as_ref().filter(|_| is_first) else { return Some(text) };
     let (mean, largest) = (with_unit(&signed(worst.mean, 2), &shown.unit), shown.text(worst.largest));
@@ -177,42 +195,63 @@ fn of_bounds(report: &PassReport<'_>) -> Option<Text> {
         .then(|| text.plain(of).plain(": relax it with a physical reason, or look for missing physics."))
 }
 
-/// The requirement that is farthest from what is required: after calibration where that was carried on.
-fn of_requirement(report: &PassReport<'_>) -> Option<Text> {
-    let predicted = report.outputs::<predict::Kind>().next().map(|(_, output)| (&output.posterior, Rests::OnTuned));
-    let propagated = report.outputs::<propagate::Kind>().next().map(|(_, output)| (output, Rests::OnDelivered));
-    let (output, rests) = predicted.or(propagated)?;
-    let (case, met) = (nominal_cases(output).flat_map(|case| case.requirements.iter().map(move |met| (case, met))))
-        .min_by(|a, b| {
-            let margin = |met: &propagate::Met| met.probability.value - met.required;
-            margin(a.1).total_cmp(&margin(b.1)).then((a.1.requirement == ALL).cmp(&(b.1.requirement == ALL)))
-        })?;
-    let what = if met.quantity.is_empty() {
-        "all requirements together".to_owned()
-    } else {
-        format!("{} {}", met.quantity, limits(&report.quantity_shown(&met.quantity, &met.unit), met.above, met.below))
+/// Each requirement with what is predicted of it, those farthest from what is required first; after calibration where that was
+/// carried on.
+fn of_requirements(report: &PassReport<'_>) -> Option<Text> {
+    let mut rows: Vec<(Judged, f64)> = (judged(report).into_iter())
+        .filter_map(|row| row.probability.map(|value| (value - row.required, row)))
+        .map(|(left, row)| (row, left))
+        .collect();
+    let rank = |status: Status| match status {
+        Status::Fail => 0,
+        Status::Caution => 1,
+        Status::Ok => 2,
     };
-    let text = Text::new(format!(
-        "Requirement: {what}, {}: P\u{A0}{}, required {}, ",
-        case.environment,
-        equals(&probability_stated(&met.probability)),
-        number::probability(met.required)
-    ));
-    let text = text.strong(claim(report, rests, met).0).plain(".");
-    let reached = output
-        .reached
-        .iter()
-        .find(|reached| reached.environment == case.environment && reached.requirement == met.requirement);
-    match (reached, &output.design_variable) {
-        (Some(reached), Some(name)) if standing(met) != Status::Ok => {
-            let shown = Shown::written(&output.design_unit);
-            Some(match reached.design_value {
-                Some(value) => text.plain(format!(" {name} = {} reaches it.", shown.text(value))),
-                None => text.plain(format!(" No {name} of the sweep reaches it.")),
-            })
+    rows.sort_by(|a, b| rank(a.0.status).cmp(&rank(b.0.status)).then(a.1.total_cmp(&b.1)));
+    let mut text = Text::default();
+    for (position, (row, _)) in rows.iter().take(MOST_REQUIREMENTS).enumerate() {
+        text = text.plain(if position == 0 { "Requirement: " } else { "; " });
+        text = text.plain(format!("{} {}, {}: ", row.quantity, row.limit, row.environment));
+        if row.predicted != NONE {
+            let interval = if position == 0 { " (median; 98\u{A0}% interval)" } else { "" };
+            text = text.plain(format!("predicted {}{interval}, margin {}, ", row.predicted, row.margin));
         }
-        _ => Some(text),
+        let stated = probability_stated_in(&row.probability_text);
+        text = text.plain(format!("P\u{A0}{}, required {}, ", equals(stated), number::probability(row.required)));
+        text = text.strong(row.verdict.clone());
     }
+    let (first, _) = rows.first()?;
+    let left_out = &rows[rows.len().min(MOST_REQUIREMENTS)..];
+    if !left_out.is_empty() {
+        let counts = counts(left_out.iter().map(|(row, _)| row));
+        text = text.plain(format!("; {} more: {}", left_out.len(), counts.trim_end_matches('.')));
+    }
+    Some(text.plain(".").joined(reached(report, first)))
+}
+
+/// What design value would reach a requirement that is not met: all requirements together where the sweep tells that.
+fn reached(report: &PassReport<'_>, row: &Judged) -> Option<Text> {
+    let predicted = report.outputs::<predict::Kind>().map(|(name, output)| (name, &output.posterior));
+    let propagated = report.outputs::<propagate::Kind>();
+    let (_, output) = predicted.chain(propagated).find(|(name, _)| *name == row.job)?;
+    let name = output.design_variable.as_ref().filter(|_| row.status != Status::Ok)?;
+    let of = |requirement: &str| {
+        let is = |reached: &&propagate::Reached| {
+            reached.environment == row.environment && reached.requirement == requirement
+        };
+        output.reached.iter().find(is)
+    };
+    let reached = of(ALL).or_else(|| of(&row.requirement))?;
+    let what = if reached.requirement == ALL { "meets all requirements" } else { "reaches it" };
+    Some(match reached.design_value {
+        Some(value) => format!(" {name} = {} {what}.", Shown::written(&output.design_unit).text(value)).into(),
+        None => format!(" No {name} of the sweep {what}.").into(),
+    })
+}
+
+/// A probability without its interval, which the table of compliance has.
+fn probability_stated_in(text: &str) -> &str {
+    text.split_once(" (").map_or(text, |(stated, _)| stated)
 }
 
 /// A probability behind its letter; one that is a bound has its own sign.
@@ -232,7 +271,9 @@ fn leaves_something(report: &PassReport<'_>) -> bool {
         [delivered] => delivered.fails() || !output.fails.is_empty(),
         [] => false,
     };
-    report.outputs::<compare::Kind>().any(lacks) || report.outputs::<calibrate::Kind>().any(presses)
+    // What was tuned in another pass is judged there.
+    (tuned_in(report).is_none() && report.outputs::<compare::Kind>().any(lacks))
+        || report.outputs::<calibrate::Kind>().any(presses)
 }
 
 /// The next step, as a command; none where the pass has no result yet.
@@ -279,6 +320,10 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
     } else if leaves_something(report) {
         let text = Text::default().code(command("diagnose"));
         return Some(text.plain(" says which physical effects would explain the misfit."));
+    }
+    if let Some((_, Some(pass))) = misfit(report) {
+        let text = Text::default().code(format!("bmv diagnose {}/{pass}", report.study));
+        return Some(text.plain(" says which physical effects would explain what the calibration there leaves."));
     }
     if let Some((name, _)) = report.outputs::<goal::Kind>().next() {
         let text = Text::default().code(format!("{} {name}", command("show")));

@@ -1,1 +1,2 @@
+mod arrangement;
 mod places;

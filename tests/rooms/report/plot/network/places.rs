@@ -30,10 +30,10 @@ fn overlapping(centres: &[(f64, f64)], sizes: &[(f64, f64)]) -> Vec<[usize; 2]> 
 
 #[test]
 fn adopted_nodes_find_free_places_and_move_no_other() {
-    let before = centres(&star(0), &[(150.0, 60.0); 6], &FIELD);
+    let (before, _) = centres(&star(0), &[(150.0, 60.0); 6], &FIELD);
     for added in 1..=4 {
         let sizes: Vec<(f64, f64)> = (0..6 + added).map(|node| (if node < 6 { 150.0 } else { 210.0 }, 60.0)).collect();
-        let places = centres(&star(added), &sizes, &FIELD);
+        let (places, _) = centres(&star(added), &sizes, &FIELD);
         assert_eq!(places[..6], before[..], "the model's own boxes stand where they stood");
         assert_eq!(overlapping(&places, &sizes), Vec::<[usize; 2]>::new(), "{added} added: {places:?}");
         for (x, y) in &places[6..] {
@@ -43,11 +43,12 @@ fn adopted_nodes_find_free_places_and_move_no_other() {
 }
 
 #[test]
-fn where_nothing_is_free_a_box_still_has_a_place() {
+fn where_nothing_is_free_the_field_grows_and_no_box_lies_on_another() {
     let sizes = [(900.0, 400.0); 8];
-    let places = centres(&star(2), &sizes, &FIELD);
-    assert!(places.iter().all(|(x, y)| x.is_finite() && y.is_finite()), "{places:?}");
-    assert!(centres(&Diagram::default(), &[], &FIELD).is_empty());
+    let (places, height) = centres(&star(2), &sizes, &FIELD);
+    assert_eq!(overlapping(&places, &sizes), Vec::<[usize; 2]>::new(), "{places:?}");
+    assert!(places.iter().all(|(_, y)| y + 200.0 <= height), "{places:?} in {height}");
+    assert!(centres(&Diagram::default(), &[], &FIELD).0.is_empty());
 }
 
 /// A node that an effect adds is called like its effect, so that the path to it needs no name of its own.

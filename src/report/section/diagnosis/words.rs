@@ -1,0 +1,100 @@
+//! What is said of a verdict in the light of the numbers beside it.
+
+use std::f64::consts::TAU;
+
+use crate::diagnosis::output::{Amount, EffectResult, Output};
+use crate::document::{counted, p_stated};
+use crate::math::functions::atan2;
+use crate::report::number::fixed;
+use crate::report::page::Text;
+
+use super::{amount, chance};
+
+/// Probability of the tests below which a misfit is no clear agreement either.
+const NEAR: f64 = 0.05;
+/// Probability of an effect from which on it is worth a word that it may be there.
+const MAY_BE: f64 = 0.2;
+
+/// Why a verdict that nothing is needed is no proof, where the tests are near their level or an effect may well be there.
+pub(in crate::report::section) fn near_miss(output: &Output) -> Option<Text> {
+    let p = output.misfit.family_wise_p;
+    let best = (output.effects.iter()).max_by(|a, b| a.probability.total_cmp(&b.probability));
+    let best = best.filter(|effect| effect.probability >= MAY_BE);
+    let is_near = p < NEAR;
+    if !is_near && best.is_none() {
+        return None;
+    }
+    let mut text = Text::default();
+    if is_near {
+        text = text.plain(format!("noise alone leaves such a misfit with {} only", p_stated(p)));
+    }
+    if let Some(effect) = best {
+        text = text.plain(if is_near { ", and " } else { "" }).code(&effect.id);
+        text = text.plain(format!(" is missing with a probability of {}", chance(effect.probability)));
+    }
+    Some(text.plain(": a longer or stronger test would tell."))
+}
+
+/// Effects of an effect's group that were not selected and are more probable than it, the most probable first.
+pub(in crate::report::section) fn more_probable<'o>(output: &'o Output, own: &EffectResult) -> Vec<&'o EffectResult> {
+    let mut rivals: Vec<&EffectResult> = (output.effects.iter())
+        .filter(|other| other.group.is_some() && other.group == own.group && !output.selected.contains(&other.id))
+        .filter(|other| other.probability > own.probability)
+        .collect();
+    rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    rivals
+}
+
+/// An effect by its group where a rival is more probable, else by its title.
+pub(in crate::report::section) fn one_of(output: &Output, own: &EffectResult) -> String {
+    if more_probable(output, own).is_empty() {
+        return own.title.clone();
+    }
+    let members = output.effects.iter().filter(|other| other.group == own.group).count();
+    format!("One of {}", counted(members, "effect"))
+}
+
+/// The beginning of what is said of an effect: its group before its name, where a rival is more probable.
+pub(in crate::report::section) fn led_by_group(text: Text, output: &Output, own: &EffectResult) -> Text {
+    if more_probable(output, own).is_empty() {
+        return text;
+    }
+    let group = one_of(output, own).replacen('O', "o", 1);
+    let chance = chance(own.probability);
+    text.strong(group).plain(format!(" that these data cannot tell apart; proposed, with a probability of {chance}: "))
+}
+
+/// That the rivals are more probable, and why none of them is proposed.
+pub(in crate::report::section) fn proposed_first(text: Text, rivals: &[&EffectResult]) -> Text {
+    let mut text = text.plain("more probable: ");
+    for (position, rival) in rivals.iter().enumerate() {
+        text = text.plain(if position == 0 { "" } else { ", " }).code(&rival.id);
+        text = text.plain(format!(" {}", chance(rival.probability)));
+    }
+    text.plain(". What invents less or takes fewer parameters is proposed first; that makes it no surer")
+}
+
+/// Whether an effect is a harmonic, whose parts tell little one by one.
+pub(super) fn is_harmonic(effect: &EffectResult) -> bool {
+    ["cosine", "sine"].iter().all(|part| effect.amplitudes.contains_key(*part))
+}
+
+/// The size of an effect and what it is called: its first parameter; of a harmonic its amplitude and where it is largest.
+pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String, String)> {
+    if let (Some(cosine), Some(sine)) = (effect.amplitudes.get("cosine"), effect.amplitudes.get("sine")) {
+        let size = (cosine.value * cosine.value + sine.value * sine.value).sqrt();
+        let part = |own: &Amount| own.value * own.sd;
+        let sd = (part(cosine) * part(cosine) + part(sine) * part(sine)).sqrt() / size.max(f64::MIN_POSITIVE);
+        let whole = Amount { value: size, sd, at_bound: cosine.at_bound || sine.at_bound, ..cosine.clone() };
+        let share = atan2(sine.value, cosine.value) / TAU;
+        let share = if share < 0.0 { share + 1.0 } else { share };
+        // Of an angle that a file has in degrees, else of the time of day.
+        let largest = if effect.effect.contains("periodic") {
+            format!("at {}\u{B0}", fixed(360.0 * share, 0))
+        } else {
+            format!("{}\u{A0}h after the record's start and every 24\u{A0}h", fixed(24.0 * share, 1))
+        };
+        return Some(("amplitude".to_owned(), format!("{}, largest {largest}", amount(&whole))));
+    }
+    effect.amplitudes.iter().next().map(|(name, value)| (name.clone(), amount(value)))
+}
