@@ -17,10 +17,9 @@ use crate::diagnosis::output::EffectResult;
 use crate::diagnosis::{Output, RISES};
 use crate::document::suggest;
 use crate::document::visible::shell_word;
-use crate::job::calibrate;
-use crate::job::kind::JobKind;
 use crate::measurement::Doubt;
 use crate::runner::Listener;
+use crate::study::job::CALIBRATION;
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -111,7 +110,7 @@ impl Adopt {
     /// Calibrations of the pass that the cache says did not converge; none is run for it.
     fn to_mend(&self, context: &Context) -> Result<Vec<Mended>, Failure> {
         let loaded = batch::load(std::slice::from_ref(&self.pass), &context.reading)?;
-        let mut prepared = batch::prepare(loaded, Loaded::default(), |_, kind, _| kind == calibrate::Kind::NAME)?;
+        let mut prepared = batch::prepare(loaded, Loaded::default(), |_, kind, _| kind == CALIBRATION)?;
         let options: RunOptions = self.options.clone().into();
         prepared.leave_out_missing(&options.cache.cache(prepared.passes()));
         if prepared.passes().iter().all(|pass| pass.jobs.is_empty()) {

@@ -36,7 +36,7 @@ pub(super) struct Diagnose {
 }
 
 /// What to do next: what is doubtful about the data goes first, then what `bmv adopt` (here with its pass) would take.
-fn next(output: &Output, adopt: &str) -> Option<String> {
+pub fn next(output: &Output, adopt: &str) -> Option<String> {
     if output.doubts.iter().any(Doubt::is_of_start) {
         return Some("next: mend the start, then bmv diagnose again".to_owned());
     }

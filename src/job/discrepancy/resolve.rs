@@ -55,7 +55,7 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
                 let (name, unit) = (canonical::quoted(&quantity.name), canonical::quoted(&quantity.unit));
                 format!(
                     "; or leave this job out, and let predictions add a standard deviation to what the sensors measure: {{\"predict\": \
-                     {{\"with\": {{\"discrepancy\": {{{name}: {{\"value\": 1, \"unit\": {unit}}}}}}}}}}}"
+                     {{\"quantities\": [{name}], \"with\": {{\"discrepancy\": {{{name}: {{\"value\": 1, \"unit\": {unit}}}}}}}}}}}"
                 )
             });
             let diagnostic = Diagnostic::error(&code::DISCREPANCY, &place, message)

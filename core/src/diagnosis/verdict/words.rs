@@ -388,10 +388,10 @@ const LIKELY: f64 = 0.01;
 const MOST_OF_GAS: usize = 3;
 
 /// That effects which may be missing need a gas, where nothing tells whether there was any: how a study says that there was none.
-pub fn of_gas(output: &Output, problem: &Problem) -> Option<String> {
+pub fn of_gas(effects: &[EffectResult], problem: &Problem) -> Option<String> {
     let needs = |own: &&EffectResult| problem.catalogue.get(&own.effect).is_some_and(Effect::needs_gas);
     let has_pressure = problem.model.inputs.iter().any(is_pressure);
-    let likely = output.effects.iter().filter(|own| own.probability >= LIKELY && !own.changes_nothing);
+    let likely = effects.iter().filter(|own| own.probability >= LIKELY && !own.changes_nothing);
     let ids: Vec<String> = likely.filter(needs).map(|own| format!("`{}`", own.id)).take(MOST_OF_GAS).collect();
     (!ids.is_empty() && !has_pressure && !is_vacuum(problem)).then(|| {
         format!(
@@ -610,7 +610,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 p_stated(output.remaining_p.unwrap_or(f64::NAN))
             ));
         }
-        words.extend(of_gas(output, findings.problem));
+        words.extend(of_gas(&output.effects, findings.problem));
         words.extend(output.one_thing.as_ref().map(OneThing::in_words));
         if let Some(experiment) = &output.discriminating_experiment {
             words.push(format!(
