@@ -5,17 +5,21 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::execute::execute;
-use super::options::CachedRunOptions;
+use super::options::{CachedRunOptions, RunOptions};
 use super::output::{escaped, print, tell};
 use super::status::{Failure, Status};
 use super::{Context, select};
-use crate::batch::LoadedPass;
-use crate::batch::next_pass::{Acting, Adoption, Asked, NextPass, acts_in, adopt_into, probability_text};
+use crate::batch::next_pass::{
+    Acting, Adoption, Asked, Mended, NextPass, acts_in, adopt_into, probability_text, to_mend,
+};
+use crate::batch::{self, Loaded, LoadedPass};
 use crate::diagnosis::output::EffectResult;
 use crate::diagnosis::{Output, RISES};
 use crate::document::suggest;
 use crate::document::visible::shell_word;
 use crate::measurement::Doubt;
+use crate::runner::Listener;
+use crate::study::job::CALIBRATION;
 
 /// Diagnostics printed of one refusal.
 const MOST_DIAGNOSTICS: usize = 20;
@@ -23,8 +27,8 @@ const MOST_DIAGNOSTICS: usize = 20;
 /// Arguments of `bmv adopt`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Effects are named as in `effects` of `bmv diagnose PASS --json`, or by a beginning or an effect's \
-                        name that stands for one. What the diagnosis did not select, or could not tell from what it \
+    after_help = "Effects are named as in `effects` of `bmv diagnose PASS --json`, or by a beginning, an effect's \
+                        name or the last places that stand for one. What the diagnosis did not select, or could not tell from what it \
                         selected, is refused; what it leaves open (`ambiguous`) is adopted by name only. The next pass takes all else from its parent; nothing is run.\n\n\
                         An effect acts in every measurement and environment, so that flight predictions have it too. What \
                         belongs to the test alone (a harness, the chamber) is adopted with --test-only.\n\n\
@@ -79,6 +83,7 @@ impl Adopt {
         let diagnosis = Output::deserialize(&*result.stored.value).map_err(|error| {
             Failure::job(format!("{}: the result of `{job}` is no diagnosis: {error}", escaped(&pass.shown)))
         })?;
+        let asked = asked.mending(self.to_mend(context)?);
         let adoption = adopt_into(&pass.pass, &job, &diagnosis, &asked, self.out.as_deref(), self.force);
         match adoption.map_err(|wrong| Failure::rendered(wrong.render(context.coloured, MOST_DIAGNOSTICS)))? {
             Adoption::There(twin) => {
@@ -100,6 +105,20 @@ impl Adopt {
             }
         }
         Ok(Status::of(&executed))
+    }
+
+    /// Calibrations of the pass that the cache says did not converge; none is run for it.
+    fn to_mend(&self, context: &Context) -> Result<Vec<Mended>, Failure> {
+        let loaded = batch::load(std::slice::from_ref(&self.pass), &context.reading)?;
+        let mut prepared = batch::prepare(loaded, Loaded::default(), |_, kind, _| kind == CALIBRATION)?;
+        let options: RunOptions = self.options.clone().into();
+        prepared.leave_out_missing(&options.cache.cache(prepared.passes()));
+        if prepared.passes().iter().all(|pass| pass.jobs.is_empty()) {
+            return Ok(Vec::new());
+        }
+        let cache = options.cache.cache(prepared.passes());
+        let executed = prepared.run(options.settings(), &cache, &context.interrupts, &Vec::<&dyn Listener>::new())?;
+        Ok(executed.passes.iter().flat_map(|pass| to_mend(pass, &executed)).collect())
     }
 }
 
@@ -128,6 +147,14 @@ fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, (diagnosis, ac
     if !next.extended.is_empty() {
         let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);
         text.push_str(&format!("{} names its parameters; those of the effects were added\n", escaped(&jobs)));
+    }
+    for mended in &next.mended {
+        text.push_str(&format!(
+            "`{}` of {} did not converge: here it has {}\n",
+            escaped(&mended.job),
+            escaped(&pass.file),
+            escaped(&mended.settings)
+        ));
     }
     for (name, kind) in &next.added {
         let parent_file = escaped(&pass.file);

@@ -9,6 +9,7 @@ use super::status::{Failure, Status};
 use super::{Context, select};
 use crate::batch;
 use crate::diagnosis::Output;
+use crate::diagnosis::output::EffectResult;
 use crate::document::visible::shell_word;
 use crate::job::diagnose;
 use crate::measurement::Doubt;
@@ -35,7 +36,7 @@ pub(super) struct Diagnose {
 }
 
 /// What to do next: what is doubtful about the data goes first, then what `bmv adopt` (here with its pass) would take.
-fn next(output: &Output, adopt: &str) -> Option<String> {
+pub fn next(output: &Output, adopt: &str) -> Option<String> {
     if output.doubts.iter().any(Doubt::is_of_start) {
         return Some("next: mend the start, then bmv diagnose again".to_owned());
     }
@@ -45,16 +46,34 @@ fn next(output: &Output, adopt: &str) -> Option<String> {
     if output.verdict.names_one_set() {
         return Some(format!("next: {adopt} (what belongs to the test alone: with --test-only)"));
     }
-    let ids: Vec<_> = output.selected.iter().map(|id| shell_word(id)).collect();
-    let settled: Vec<_> = output.settled().iter().map(|effect| shell_word(&effect.id)).collect();
-    if !settled.is_empty() && settled.len() < ids.len() {
+    // What errors of the model itself explain as well is not proposed, unless there is nothing else.
+    let is_strong = |effect: &&EffectResult| !effect.is_weak();
+    let selected: Vec<&EffectResult> = output.selected.iter().filter_map(|id| output.effect(id)).collect();
+    let strong: Vec<&EffectResult> = selected.iter().copied().filter(is_strong).collect();
+    let proposed = if strong.is_empty() { selected } else { strong };
+    let words = |effects: &[&EffectResult]| effects.iter().map(|own| shell_word(&own.id)).collect::<Vec<_>>().join(" ");
+    let settled = output.settled();
+    if settled.is_empty() {
+        let ids = words(&proposed);
         return Some(format!(
-            "next: {adopt} {}; the rest is left open, and adopted by name with it, as in {adopt} {}",
-            settled.join(" "),
-            ids.join(" ")
+            "next: these data leave it open; what you choose is adopted by name, as in {adopt} {ids}"
         ));
     }
-    Some(format!("next: these data leave it open; what you choose is adopted by name, as in {adopt} {}", ids.join(" ")))
+    let all: Vec<&EffectResult> = output.selected.iter().filter_map(|id| output.effect(id)).collect();
+    let is_settled = |effect: &&&EffectResult| settled.iter().any(|one| one.id == effect.id);
+    let settled_ids = words(&settled);
+    if proposed.iter().all(|effect| is_settled(&effect)) {
+        let rest = if settled.len() < all.len() {
+            "; what else was found may be errors of the model: diagnose again then"
+        } else {
+            ""
+        };
+        return Some(format!("next: {adopt} {settled_ids}{rest}"));
+    }
+    let with = words(&all.iter().filter(|effect| is_settled(effect) || !effect.is_weak()).copied().collect::<Vec<_>>());
+    Some(format!(
+        "next: {adopt} {settled_ids}; the rest is left open, and adopted by name with it, as in {adopt} {with}"
+    ))
 }
 
 impl Diagnose {

@@ -157,6 +157,7 @@ fn definitions(entries: &[ChangedEntry], unexplained: &[&Difference]) -> Section
 /// What became of the results, job by job.
 fn results(names: &[&str], reports: &[PassReport<'_>; 2]) -> Section {
     let mut blocks = Vec::new();
+    let mut has_untuned = false;
     let (mut same, mut without): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
     for name in names {
         let [old, new] = reports.each_ref().map(|report| report.results.iter().find(|job| job.name == *name));
@@ -170,6 +171,7 @@ fn results(names: &[&str], reports: &[PassReport<'_>; 2]) -> Section {
             same.push(name);
             continue;
         }
+        has_untuned |= old.iter().chain(&new).any(|(name, _)| name.contains("untuned"));
         let (what, gone) = (rows.len(), old.len().max(new.len()));
         blocks.push(Block::Table(Table {
             caption: format!(
@@ -180,6 +182,13 @@ fn results(names: &[&str], reports: &[PassReport<'_>; 2]) -> Section {
             .into(),
             columns: vec![Column::text("Figure"), Column::text("Before"), Column::text("After")],
             rows,
+        }));
+    }
+    if has_untuned {
+        let [before, after] = reports.each_ref().map(|report| report.untuned());
+        blocks.push(Block::paragraph(match before == after {
+            true => format!("Untuned: the model {before}."),
+            false => format!("Untuned: the model {before} before, {after} after."),
         }));
     }
     if !same.is_empty() {

@@ -56,6 +56,9 @@ pub(super) struct Csv {
     /// An input that moves steadily: its value is linear between rows; may be given several times
     #[arg(long, value_name = "INPUT")]
     linear: Vec<String>,
+    /// A channel whose readings all stay, though they look dead; may be given several times
+    #[arg(long, value_name = "CHANNEL")]
+    keep: Vec<String>,
     /// Write the measurement anew where an earlier import wrote it: its file, and the pass as far as nothing was added to it
     #[arg(long)]
     force: bool,
@@ -110,7 +113,7 @@ impl Csv {
         });
         let name = self.name.as_str();
         let file = format!("data/{name}.csv");
-        let said = Said { held: self.hold.clone(), linear: self.linear.clone() };
+        let said = Said { held: self.hold.clone(), linear: self.linear.clone(), kept: self.keep.clone() };
         let proposal = propose(&record, &known, &said, &file).map_err(Failure::input)?;
         let mut said = proposal.in_words(&record);
         let is_mapped = self.channels.is_some() || known == Known::default() || !proposal.has_unknown;

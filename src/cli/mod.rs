@@ -11,7 +11,7 @@ mod collect;
 mod compare;
 mod completions;
 mod data;
-mod diagnose;
+pub mod diagnose;
 mod diff;
 mod effects;
 mod execute;

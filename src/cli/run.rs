@@ -6,7 +6,8 @@ use super::execute::{execute, prepare};
 use super::options::{PathsArgument, RequireOption, RunOptions};
 use super::output::{escaped, folded, print};
 use super::status::{Failure, Status};
-use crate::batch::{self, Executed, Loaded};
+use crate::batch::{self, Executed, Loaded, LoadedPass};
+use crate::document::counted;
 use crate::report::section::objection;
 use crate::report::{headline, terminal};
 use crate::runner::cluster::Mode;
@@ -35,15 +36,23 @@ pub(super) struct Run {
     cluster: ClusterOptions,
 }
 
-/// What came out, by pass and job, and where to look next.
+/// What came out, by pass and job, and where to look next; a line of passes of which nothing ran, where something did of others.
 pub(super) fn outcome(executed: &Executed, fold: Option<usize>) -> Result<String, Failure> {
     let mut text = String::new();
+    let is_unchanged =
+        |pass: &LoadedPass| executed.results(pass).filter(|(_, job)| job.cached).count() == pass.jobs.len();
+    let has_news = executed.passes.iter().any(|pass| !is_unchanged(pass));
     for pass in &executed.passes {
         let report = batch::view(pass, executed)?;
         if report.results.is_empty() {
             continue;
         }
         let shown = escaped(&pass.shown);
+        if has_news && is_unchanged(pass) {
+            let jobs = counted(report.results.len(), "job");
+            text.push_str(&format!("\n{shown}: unchanged, {jobs} in the cache (bmv show {shown})\n"));
+            continue;
+        }
         text.push_str(&format!("\n{shown}\n"));
         for job in &report.results {
             for (position, line) in headline::headlines(job).iter().enumerate() {

@@ -30,6 +30,8 @@ pub struct Offered<'a> {
     pub probability: &'a str,
     /// The command that does the same.
     pub command: &'a str,
+    /// Where the effects act unless they belong to the test alone; empty where they act on no model.
+    pub acts: &'a str,
 }
 
 /// What stands round a page.

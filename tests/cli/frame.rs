@@ -96,6 +96,14 @@ fn explain_lists_and_explains_and_suggests() {
     assert!(text(&output.stdout).starts_with(&format!("{first}: ")));
     let near = text(&run(&["explain", &first[..first.len() - 1]]).stderr);
     assert!(near.contains(&format!("did you mean `{first}`?")), "{near}");
+    use bmv::diagnosis::Verdict::{Adequate, Ambiguous, Identified, Unexplained};
+    let verdicts = [Adequate, Identified, Ambiguous, Unexplained].map(bmv::diagnosis::Verdict::word);
+    for word in verdicts.into_iter().chain(["group", "rivals", "Settled", "Pareto k"]) {
+        let output = run(&["explain", word]);
+        assert_eq!(code(&output), 0, "{word}");
+        assert!(text(&output.stdout).lines().count() > 2, "{word}: meaning and what follows");
+    }
+    assert!(text(&run(&["explain", "ambigous"]).stderr).contains("did you mean `ambiguous`?"));
 }
 
 #[test]

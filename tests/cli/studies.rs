@@ -77,6 +77,19 @@ fn run_says_what_came_out_and_where_to_look() {
 }
 
 #[test]
+fn run_has_a_line_for_a_pass_of_which_nothing_ran() {
+    let root = plate();
+    printed(root.path(), &["run", "plate"]);
+    let whole = printed(root.path(), &["run", "plate"]);
+    assert!(whole.contains("P(plate) = 0.609"), "nothing ran, and what is known is shown: {whole}");
+    fs::write(root.path().join("plate/pass-2.json"), PASS.replace("\"samples\": 64", "\"samples\": 128")).unwrap();
+    let said = printed(root.path(), &["run", "plate"]);
+    let line = "plate/pass-1.json: unchanged, 2 jobs in the cache (bmv show plate/pass-1.json)\n";
+    assert!(said.starts_with(line) && said.matches("P(plate)").count() == 1, "{said}");
+    assert!(said.contains("\nplate/pass-2.json\n  prior: P(plate)"), "{said}");
+}
+
+#[test]
 fn compare_reads_from_the_verdict_to_the_heat_balance() {
     let root = plate();
     insta::assert_snapshot!(printed(root.path(), &["compare", "plate/pass-1.json"]), @r#"
@@ -178,6 +191,14 @@ fn diff_names_the_changed_setting() {
     assert_eq!(cells[1..3], ["64", "128"], "{said}");
     assert!(cells[3].starts_with("plate/pass-2.json:"), "{said}");
     assert!(said.contains("The same in both: delivered."), "{said}");
+    // With an effect the model is no longer the one that was delivered.
+    let adopted = PASS.replace("\"parent\": null", "\"parent\": \"pass-1.json\", \"adopt\": {\"leak\": {\"effect\": {\"heat-load\": {\"where\": \"plate\", \"parameters\": {\"power\": {\"nominal\": 1, \"unit\": \"W\", \"prior\": {\"uniform\": [0, 2]}}}}}, \"because\": \"a test\"}}");
+    fs::write(root.path().join("plate/pass-3.json"), adopted).unwrap();
+    let said = printed(root.path(), &["diff", "plate/pass-1.json", "plate/pass-3.json", "--run"]);
+    let joined = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(joined.contains("RMSE untuned, readings for fitting"), "{said}");
+    let states = "Untuned: the model as delivered before, with adopted effects at their nominal sizes after.";
+    assert!(joined.contains(states), "{said}");
     let several = bmv(root.path(), &["compare", "plate"]);
     assert_eq!(code(&several), 2);
     assert!(text(&several.stderr).contains("name one: plate/pass-1.json, plate/pass-2.json"));

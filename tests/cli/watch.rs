@@ -177,10 +177,29 @@ fn a_watched_study_is_served_to_one_browser_run_again_and_taken_further() {
     let adopted = watched.ask("POST /adopt", &own_page, form);
     assert_eq!((adopted.0, adopted.field("Location")), (303, Some("/hidden/pass-2/report.html")));
     drop(watched);
+    let by_command = |by_page: Vec<u8>, options: &[&str]| {
+        fs::remove_file(study.join("pass-2.json")).unwrap();
+        let command = ["adopt", "hidden/pass-1.json", "--cache", "cache"];
+        printed(root.path(), &[&command, options].concat());
+        assert_eq!(by_page, fs::read(study.join("pass-2.json")).unwrap());
+        fs::remove_file(study.join("pass-2.json")).unwrap();
+    };
+    by_command(fs::read(study.join("pass-2.json")).unwrap(), &[]);
+
+    // It says where the effect acts, and keeps it in the test alone where that is asked for.
+    let watched = Watched::start(root.path(), "hidden");
+    let (host, origin) = (format!("Host: {}", watched.host), format!("Origin: http://{}", watched.host));
+    let entered = watched.ask(&format!("GET /?token={}", watched.token), &[&host], "");
+    let cookie = format!("Cookie: {}", entered.field("Set-Cookie").unwrap().split(';').next().unwrap());
+    let own_page = [host.as_str(), cookie.as_str(), origin.as_str()];
+    watched.until(&own_page[..2], "ready", 1);
+    let page = watched.ask("GET /hidden/pass-1/report.html", &own_page[..2], "").2;
+    assert!(page.contains("it acts in measurement") && page.contains("--test-only</code>"), "{page}");
+    assert_eq!(watched.ask("POST /adopt", &own_page, &format!("{form}&test_only=1")).0, 303);
+    drop(watched);
     let by_page = fs::read(study.join("pass-2.json")).unwrap();
-    fs::remove_file(study.join("pass-2.json")).unwrap();
-    printed(root.path(), &["adopt", "hidden/pass-1.json", "--cache", "cache"]);
-    assert_eq!(by_page, fs::read(study.join("pass-2.json")).unwrap());
+    assert!(String::from_utf8_lossy(&by_page).contains("applies_to"));
+    by_command(by_page, &["--test-only"]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The writer of a next pass: every effect of the catalogue at every kind of place, what is refused, what is written.
 
-use bmv::batch::next_pass::{Acting, Asked, NextPass, acts_in, destination, next_pass, twin, write};
+use bmv::batch::next_pass::{Acting, Asked, Mended, NextPass, acts_in, destination, next_pass, twin, write};
 use bmv::diagnosis::Output;
 use bmv::document::Diagnostics;
 use bmv::effect::{Bound, Candidate, Catalogue, GroupPlace, Site, candidates};
@@ -41,7 +41,7 @@ const PASS: &str = r#"{"format": "bmv-pass/1", "title": "Bench, pass 1: as deliv
      "TC detector": {"measures": "detector", "sigma": {"value": 0.25, "unit": "K"}}}}},
    "run": {"transient": {"file": "data/run.csv", "inputs": {"T_plate": {"value": 17, "unit": "degC"}, "T_shroud": 120, "p": {"value": 0.02, "unit": "mbar"}, "i": {"value": 800, "unit": "mA"},
        "flux": {"value": 10, "unit": "W/m2"}, "share": {"value": 50, "unit": "%"}, "roll": {"value": 40, "unit": "deg"}, "free": {"value": 3, "unit": "s"}, "T_bay": {"value": 5, "unit": "degC"}}, "initial": {"temperatures": {"all": {"value": 17, "unit": "degC"}}},
-     "sensors": {"TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}}}}}},
+     "sensors": {"TC box": {"measures": "box", "sigma": {"value": 0.25, "unit": "K"}, "bias": {"value": 0, "unit": "K"}}}}}},
  "jobs": {"tuned": {"calibrate": {"draws": 1e3, "parameters": ["G"]}}, "fit": {"compare": {"criteria": "precision-1k"}}, "missing": {"diagnose": {"false_alarm": 5e-3}}}}
 "#;
 
@@ -545,19 +545,59 @@ fn a_probability_of_a_diagnosis_is_none_beyond_0_and_1() {
 /// Trajectories ask for gradients of all rows: long records are calibrated by one likelihood a draw.
 #[test]
 fn the_calibration_that_is_added_suits_the_length_of_the_record() {
-    let sampler = |rows: usize| {
+    let sampler = |rows: usize, bias: &str| {
         let study = study();
         let log: String = (0..rows).map(|row| format!("{},6,17.{}\n", 600 * row, row % 7)).collect();
         study.put("data/run.csv", format!("time [s],Q [W],TC box [degC]\n{log}"));
         let without = PASS.replace(r#""tuned": {"calibrate": {"draws": 1e3, "parameters": ["G"]}}, "#, "");
-        study.put("pass-1.json", &without);
+        study.put("pass-1.json", without.replace(r#""bias": {"value": 0, "unit": "K"}"#, bias));
         let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
         let next = adopt(&study, &found, &[], false).expect("adopted");
         let written: Value = serde_json::from_str(&next.text).expect("JSON");
         written["jobs"]["tuned"]["calibrate"].clone()
     };
-    let long = sampler(200);
+    let known = r#""bias": {"value": 0, "unit": "K"}"#;
+    let long = sampler(200, known);
     assert_eq!((&long["sampler"], &long["draws"]), (&json!("independence-metropolis"), &json!(8000)), "{long}");
-    let short = sampler(199);
+    let short = sampler(199, known);
     assert_eq!((&short["sampler"], &short["draws"]), (&Value::Null, &Value::Null), "{short}");
+    // Offsets of sensors make ridges.
+    let inferred = sampler(199, r#""bias": {"prior": {"normal": {"mean": 0, "sd": 0.75}}, "unit": "K"}"#);
+    assert_eq!(inferred["acceptance"], json!(0.95), "{inferred}");
+}
+
+/// Settings that failed are not written again: those stand there that the result of the parent names.
+#[test]
+fn a_calibration_that_did_not_converge_is_mended_in_the_next_pass() {
+    let study = study();
+    let found = findings("identified", vec![harness(None)], &["conductive-path:box:detector"]);
+    let written = |settings: &str| {
+        let mended = vec![Mended { job: "tuned".into(), settings: settings.into() }];
+        let asked = Asked::new("bmv adopt pass-1.json", &[]).mending(mended);
+        let pass = study.load();
+        let next = next_pass(&pass, "missing", &found, &asked, false, &study.path("pass-2.json")).expect("adopted");
+        assert_eq!(next.mended.len(), 1);
+        study.put("pass-2.json", &next.text);
+        bmv::job::load(&study.path("pass-2.json")).map(|_| ()).expect("what is proposed is accepted");
+        let text: Value = serde_json::from_str(&next.text).expect("JSON");
+        text["jobs"]["tuned"]["calibrate"].clone()
+    };
+    let short_steps = written(r#""acceptance": 0.95, "warmup": 1000"#);
+    assert_eq!((&short_steps["acceptance"], &short_steps["draws"]), (&json!(0.95), &json!(1e3)), "{short_steps}");
+    let other = written(r#""sampler": "smc""#);
+    assert_eq!((&other["sampler"], &other["draws"]), (&json!("smc"), &Value::Null), "{other}");
+    assert!(other["parameters"].as_array().is_some_and(|names| names.len() == 2), "{other}");
+}
+
+#[test]
+fn an_effect_is_named_by_its_last_places_where_these_stand_for_one() {
+    let study = study();
+    let all = vec![harness(None), other("heat-load:panel", "node", None), other("thermal-mass:panel", "node", None)];
+    let found = findings("identified", all, &["conductive-path:box:detector"]);
+    let next = adopt(&study, &found, &["box:detector"], false).expect("adopted");
+    assert_eq!(next.adopted[0].1.id, "conductive-path:box:detector");
+    let wrong = adopt(&study, &found, &["panel"], true).expect_err("two end so");
+    assert!(wrong.contains("`panel` stands for 2 effects") && wrong.contains("`thermal-mass:panel`"), "{wrong}");
+    // A part of a name is none.
+    assert!(adopt(&study, &found, &["tector"], false).is_err());
 }

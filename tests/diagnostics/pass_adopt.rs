@@ -293,3 +293,18 @@ fn a_sensor_whose_data_are_wrong_or_not_here_is_no_unknown_one() {
     study.edit("pass-1.json", r#""where": "case""#, r#""where": "cas""#);
     assert!(study.said("pass-1.json").contains("unknown sensor `cas`"), "{}", study.said("pass-1.json"));
 }
+
+/// A rate is that of a node's temperature; where there is none, the reason is the true one.
+#[test]
+fn a_sensor_whose_rate_is_not_known_says_why() {
+    let said = |first: &str| {
+        let study = Study::transient();
+        let clock = r#""early": {"effect": {"sensor-clock": {"where": "box"}}, "because": "clocks"}"#;
+        let entries = format!("{first}{clock}");
+        study.edit("pass-1.json", r#""design": {"A""#, &format!(r#""adopt": {{{entries}}}, "design": {{"A""#));
+        study.said("pass-1.json").split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    assert!(!said("").contains("the rate of what sensor"), "{}", said(""));
+    let twice = said(r#""warm": {"effect": {"sensor-self-heating": {"where": "box"}}, "because": "current"}, "#);
+    assert!(twice.contains("which is computed and no temperature of a node by itself"), "{twice}");
+}

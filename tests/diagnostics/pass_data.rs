@@ -534,3 +534,27 @@ fn other_bytes_than_pinned() {
       = help: move the file away, then `bmv data get` brings the pinned one
     "##);
 }
+
+#[test]
+fn a_logged_sensor_without_an_absolute_error() {
+    let study = Study::transient();
+    let sensor = r#"{"box": {"measures": "box"}}"#;
+    assert!(!study.said("pass-1.json").contains("no-absolute-error"), "without a noise nothing is fitted");
+    study.edit("pass-1.json", sensor, r#"{"box": {"measures": "box", "sigma": {"value": 0.1, "unit": "K"}}}"#);
+    let said = study.said("pass-1.json");
+    assert_eq!(said.matches("warning[no-absolute-error]").count(), 1, "{said}");
+    assert!(said.contains("no absolute error is stated of `box` of `balance`"), "{said}");
+    // What the help says is accepted, and ends it.
+    let help = &said[said.find(r#"{"prior": {"normal""#).expect("a bias")..said.find(" for 1.5 K").expect("its end")];
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    let noisy = r#""sigma": {"value": 0.1, "unit": "K"}"#;
+    for bias in [help.as_str(), r#"{"value": 0, "unit": "K"}"#] {
+        study.put(
+            "pass-2.json",
+            std::fs::read_to_string(study.path("pass-1.json"))
+                .expect("there")
+                .replace(noisy, &format!(r#"{noisy}, "bias": {bias}"#)),
+        );
+        assert!(!study.said("pass-2.json").contains("no-absolute-error"), "{}", study.said("pass-2.json"));
+    }
+}

@@ -157,4 +157,14 @@ fn a_transient_has_no_discrepancy() {
     );
     let said = study.said("pass-1.json");
     assert!(said.contains("`run` is a transient") && said.contains("cut steady phases from it"), "{said}");
+    // Both ways out are accepted as they stand there.
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let job = &said[said.find(r#"{"predict""#).expect("a job")..];
+    study.edit("pass-1.json", r#""rest": {"discrepancy": {"data": ["run"]}}"#, &format!(r#""rest": {job}"#));
+    assert!(!study.said("pass-1.json").contains("error["), "{}", study.said("pass-1.json"));
+    let windows = r#"{"steady": {"windows": {"A": {"file": "data/run.csv", "to": 60}, "B": {"file": "data/run.csv", "from": 120}},
+        "sensors": {"box": {"measures": "box", "sigma": {"value": 0.3, "unit": "K"}}}, "inputs": {"T_if": {"value": 20, "unit": "degC"}, "T_s": 90}}}"#;
+    study.edit("pass-1.json", crate::diagnostics::pass_study::TRANSIENT, windows);
+    study.edit("pass-1.json", &format!(r#""rest": {job}"#), r#""rest": {"discrepancy": {"data": ["run"]}}"#);
+    assert!(!study.said("pass-1.json").contains("is a transient"), "{}", study.said("pass-1.json"));
 }

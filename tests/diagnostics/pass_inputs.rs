@@ -153,7 +153,11 @@ fn transient(initial: &str, run: &str) -> Study {
     let study = Study::transient();
     let start = r#""initial": {"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#;
     study.edit("pass-1.json", start, &format!(r#""initial": {initial}"#));
-    study.edit("pass-1.json", r#"{"measures": "box"}"#, r#"{"measures": "box", "sigma": {"value": 0.1, "unit": "K"}}"#);
+    study.edit(
+        "pass-1.json",
+        r#"{"measures": "box"}"#,
+        r#"{"measures": "box", "sigma": {"value": 0.1, "unit": "K"}, "bias": {"value": 0, "unit": "K"}}"#,
+    );
     study.put("data/run.csv", run);
     study
 }

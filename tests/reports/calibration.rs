@@ -106,8 +106,20 @@ fn what_mends_a_calibration_follows_from_its_sampler_and_the_shape_of_its_weight
     let independence = r#""sampler": "independence-metropolis", "draws": 8000"#;
     assert_eq!(settings("nuts", Some(0.3)), independence, "nearly normal");
     assert_eq!(settings("adaptive-metropolis", Some(0.3)), independence);
-    assert_eq!(settings("nuts", Some(0.9)), r#""acceptance": 0.95, "warmup": 1000"#);
-    assert_eq!(settings("nuts", None), r#""acceptance": 0.95, "warmup": 1000"#);
+    assert_eq!(settings("nuts", Some(0.9)), r#""acceptance": 0.95, "warmup": 1000, "draws": 4000"#);
+    assert_eq!(settings("nuts", None), r#""acceptance": 0.95, "warmup": 1000, "draws": 4000"#);
+    let trajectories = |acceptance: f64, effective: f64| {
+        let mut own = output(false);
+        (own.sampler, own.log_evidence.pareto_k, own.chains) = ("nuts".to_owned(), Some(0.9), [4, 1000]);
+        own.acceptance = vec![acceptance; 4];
+        let enough = Some(effective);
+        own.parameters.values_mut().for_each(|summary| (summary.ess_bulk, summary.ess_tail) = (enough, enough));
+        own.remedy().expect("a remedy").in_words("fit")
+    };
+    assert_eq!(trajectories(0.85, 500.0), r#"write "acceptance": 0.95, "warmup": 1000 under jobs.fit.calibrate"#);
+    // What has been done already mends nothing.
+    let other = r#"write "sampler": "smc" under jobs.fit.calibrate, in place of what is said of the sampler there"#;
+    assert_eq!(trajectories(0.95, 500.0), other);
     // 150 effective draws of 1000: 400 and half as many again are asked for.
     assert_eq!(settings("independence-metropolis", Some(0.3)), r#""draws": 4000"#);
     assert_eq!(settings("independence-metropolis", Some(0.9)), r#""sampler": "smc""#);

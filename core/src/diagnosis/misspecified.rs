@@ -280,7 +280,7 @@ impl Diagnosis {
             return false;
         }
         let problem = self.with_noise(&state.noise, &state.most_steps);
-        let missing = heat::missing_heat(&problem, &state.refits[0]);
+        let missing = heat::missing_heat(&problem, &state.refits[0]).ok();
         let weights = posterior_odds(&problem, &state.refits, missing.map(|missing| missing.log_evidence));
         let Some(place) = best(&weights) else { return false };
         let left = state.remainders.iter().find(|one| one.effects == state.refits[place].effects);

@@ -3,9 +3,17 @@
 
 use super::odds::posterior_odds::SURE;
 use super::output::{EffectResult, Output, Verdict};
+use super::verdict::small_effects::IS_MODEL_ERROR;
 
 /// Rivals that are less probable than this are not named.
 const LEAST_RIVAL: f64 = 0.01;
+
+impl EffectResult {
+    /// Whether errors of the model itself are as likely what it stands for.
+    pub fn is_weak(&self) -> bool {
+        self.model_error >= IS_MODEL_ERROR
+    }
+}
 
 impl Output {
     /// An effect by its id.

@@ -7,11 +7,27 @@ const LEAST_P: f64 = 1e-6;
 /// p from which decimals are read more easily than a power of ten.
 const READABLE_P: f64 = 1e-3;
 
-/// A count with its noun, given for one: `1 block`, `2 blocks`, `0 trajectories`.
+/// Digits from which a count has a comma at each thousand.
+const GROUPED: usize = 5;
+
+/// A count with a comma at each thousand, from 10,000 on: `9999`, `12,941,328`.
+pub fn grouped(count: impl Display) -> String {
+    let digits = count.to_string();
+    if digits.len() < GROUPED || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return digits;
+    }
+    let is_before_thousand = |position: usize| position > 0 && (digits.len() - position).is_multiple_of(3);
+    let with_comma =
+        |(position, digit): (usize, char)| is_before_thousand(position).then_some(',').into_iter().chain([digit]);
+    digits.chars().enumerate().flat_map(with_comma).collect()
+}
+
+/// A count with its noun, given for one: `1 block`, `2 blocks`, `0 trajectories`, `12,941,328 pairs`.
 pub fn counted<N: Display + PartialEq + From<u8>>(count: N, noun: &str) -> String {
     if count == N::from(1) {
         return format!("{count} {noun}");
     }
+    let count = grouped(count);
     match noun.strip_suffix('y') {
         Some(stem) if !stem.ends_with(['a', 'e', 'i', 'o', 'u']) => format!("{count} {stem}ies"),
         None if noun.ends_with(['s', 'x']) || noun.ends_with("ch") => format!("{count} {noun}es"),

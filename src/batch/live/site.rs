@@ -6,7 +6,7 @@ use super::page::{Kind, Served};
 use super::round::Round;
 use super::session::Session;
 use super::state::State;
-use crate::batch::next_pass::{Adoption, Asked, adopt_into, diagnosis};
+use crate::batch::next_pass::{Acting, Adoption, Asked, adopt_into, diagnosis, to_mend};
 use crate::document::visible::shell_word;
 use crate::report::live::{self, Offered};
 use crate::report::page::encoded;
@@ -107,6 +107,7 @@ impl Site {
                         title: &own.title,
                         probability: &own.probability,
                         command: &own.command,
+                        acts: &own.acts,
                     })
                     .collect();
                 self.whole(200, &String::from_utf8_lossy(&page.content), version, &offers, "")
@@ -156,7 +157,8 @@ impl Site {
             ));
         }
         let effects = form.iter().filter(|(name, _)| name == "effect").map(|(_, value)| value.clone()).collect();
-        match self.written(&round, file, job, effects)? {
+        let acting = if field("test_only").is_some() { Acting::InTests } else { Acting::Everywhere };
+        match self.written(&round, file, job, (effects, acting))? {
             Ok(to) => Ok(moved(&to)),
             Err(messages) => {
                 (self.tell)(&messages);
@@ -172,7 +174,7 @@ impl Site {
         round: &Round,
         file: &str,
         job: &str,
-        effects: Vec<String>,
+        (effects, acting): (Vec<String>, Acting),
     ) -> Result<Result<String, String>, Refused> {
         let passes = &round.executed.passes;
         let pass = passes.iter().find(|pass| pass.file == file);
@@ -180,6 +182,7 @@ impl Site {
         let output = diagnosis(pass, &round.executed, job);
         let output = output.ok_or_else(|| Refused::new(404, "the pass has no result of such a diagnosis"))?;
         let asked = Asked::new(&format!("bmv adopt {}", shell_word(&pass.shown)), &effects);
+        let asked = asked.acting(acting).mending(to_mend(pass, &round.executed));
         let one_at_a_time = self.state.adopting.lock().unwrap_or_else(PoisonError::into_inner);
         let adoption = match adopt_into(&pass.pass, job, &output, &asked, None, false) {
             Ok(adoption) => adoption,

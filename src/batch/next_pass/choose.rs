@@ -11,6 +11,7 @@ use crate::thermal::Model;
 
 use super::acting::Acting;
 use super::entry::probability_text;
+use super::mend::Mended;
 
 /// Ids that a message lists.
 const MOST_LISTED: usize = 8;
@@ -24,6 +25,8 @@ pub struct Asked {
     effects: Vec<(String, Span)>,
     /// Where the effects act.
     pub(super) acting: Acting,
+    /// Calibrations of the pass whose settings are mended.
+    pub(super) mended: Vec<Mended>,
 }
 
 impl Asked {
@@ -37,13 +40,26 @@ impl Asked {
             text.push_str(effect);
         }
         let source = Source::new("command line", text);
-        Self { source, command: Span::new(0, command.len()), effects: places, acting: Acting::default() }
+        Self {
+            source,
+            command: Span::new(0, command.len()),
+            effects: places,
+            acting: Acting::default(),
+            mended: Vec::new(),
+        }
     }
 
     /// The same, with where the effects act.
     #[must_use]
     pub fn acting(mut self, acting: Acting) -> Self {
         self.acting = acting;
+        self
+    }
+
+    /// The same, with the calibrations to mend.
+    #[must_use]
+    pub fn mending(mut self, mended: Vec<Mended>) -> Self {
+        self.mended = mended;
         self
     }
 
@@ -125,7 +141,7 @@ pub fn choose<'f>(
 }
 
 /// The effect that a text stands for: its id, an id with the ends of its pair exchanged, or the only supported (else
-/// the only) one whose effect or beginning it is.
+/// the only) one whose effect, beginning or last places it is.
 fn find<'f>(
     diagnosis: &'f Output,
     text: &str,
@@ -139,8 +155,10 @@ fn find<'f>(
     if let Some(finding) = diagnosis.effect(text).or_else(|| diagnosis.effects.iter().find(exchanged)) {
         return Some(finding);
     }
-    let is_meant =
-        |finding: &EffectResult| !text.is_empty() && (finding.effect == text || finding.id.starts_with(text));
+    let is_ending = |id: &str| id.strip_suffix(text).is_some_and(|rest| rest.ends_with(':'));
+    let is_meant = |finding: &EffectResult| {
+        !text.is_empty() && (finding.effect == text || finding.id.starts_with(text) || is_ending(&finding.id))
+    };
     let matching: Vec<&EffectResult> = diagnosis.effects.iter().filter(|finding| is_meant(finding)).collect();
     let is_selected = |finding: &&&EffectResult| diagnosis.selected.contains(&finding.id);
     let is_supported = |finding: &&&EffectResult| diagnosis.supports(finding);
@@ -175,7 +193,7 @@ fn find<'f>(
     };
     diagnostics.push(
         Diagnostic::error(&code::ADOPT_UNKNOWN, place, format!("diagnosis `{job}` has no effect `{text}`"))
-            .expected("an id as in `effects` of `bmv diagnose --json`, or its beginning")
+            .expected("an id as in `effects` of `bmv diagnose --json`, its beginning or its last places")
             .help(help),
     );
     None

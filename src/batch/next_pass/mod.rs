@@ -9,6 +9,7 @@ mod adoption;
 mod choose;
 mod entry;
 mod file;
+mod mend;
 pub mod name;
 mod offer;
 pub mod text;
@@ -18,6 +19,7 @@ pub use adoption::{Adoption, adopt_into};
 pub use choose::Asked;
 pub use entry::probability_text;
 pub use file::{destination, twin, write};
+pub use mend::{Mended, to_mend};
 pub use offer::{Offer, diagnosis, offers};
 
 use std::path::Path;
@@ -30,7 +32,7 @@ use crate::document::{Diagnostic, Diagnostics, code, suggest};
 use crate::effect::Catalogue;
 
 use crate::job::calibrate::{MANY_DRAWS, Sampler};
-use crate::measurement::{Measurement, Rows};
+use crate::measurement::{Measurement, Rows, Sensor};
 use crate::study::discover::number;
 use crate::study::folder::Folder;
 use crate::study::inherit::folder_diagnostic_at;
@@ -53,6 +55,8 @@ pub struct NextPass<'f> {
     pub extended: Vec<String>,
     /// Jobs that the parent does not have and that its error is stated by: name and kind.
     pub added: Vec<(String, &'static str)>,
+    /// Calibrations whose settings are those that mend the parent's.
+    pub mended: Vec<Mended>,
     /// What must be said of what is adopted: that the data do not settle it.
     pub warnings: Diagnostics,
     /// Effects that the study gets with it, since the diagnosis proposes them.
@@ -111,6 +115,7 @@ pub fn next_pass<'f>(
     let mut extended = Vec::new();
     let names: Vec<&str> = adopted.iter().map(|one| one.name.as_str()).collect();
     let mut jobs = jobs(tree.get("jobs"), &parameters, &mut extended);
+    let mended = mend::mend(&mut jobs, &asked.mended);
     let added = add_judges(pass, job, &mut jobs);
     let entries = |is_prior: bool| -> Vec<(String, Item)> {
         let of_role = adopted.iter().filter(|one| one.is_prior == is_prior);
@@ -133,7 +138,7 @@ pub fn next_pass<'f>(
     let document = Item::Object(sections);
     let acts_on_model = adopted.iter().any(|one| one.acts_on_model);
     let adopted = adopted.into_iter().map(|one| (one.name, one.finding)).collect();
-    Ok(NextPass { text: document.document(), adopted, extended, added, warnings, files, acts_on_model })
+    Ok(NextPass { text: document.document(), adopted, extended, added, mended, warnings, files, acts_on_model })
 }
 
 /// Whether a study has a proposed effect already.
@@ -300,6 +305,9 @@ fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> V
     let settings = vec![("data".to_owned(), Item::List(names))];
     let rows = data.iter().filter(|own| matches!(own.rows, Rows::Transient { .. })).map(|own| own.len());
     let is_long = rows.sum::<usize>() >= LONG_RECORD;
+    let is_inferred = |sensor: &Sensor| sensor.bias.as_ref().is_some_and(|bias| bias.prior().is_some());
+    // A calibration of a model without derivatives has no trajectories.
+    let has_offsets = pass.external.is_none() && data.iter().any(|own| own.sensors.iter().any(is_inferred));
     let mut added = Vec::new();
     for (kind, wanted) in [(CALIBRATION, "tuned"), ("compare", "delivered")] {
         if pass.jobs.iter().any(|job| job.spec.kind() == kind) {
@@ -313,6 +321,11 @@ fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> V
         if kind == CALIBRATION && is_long {
             settings.push(("sampler".to_owned(), Item::text(Sampler::IndependenceMetropolis.name())));
             settings.push(("draws".to_owned(), Item::number(MANY_DRAWS as f64)));
+        } else if kind == CALIBRATION && has_offsets {
+            // An offset of a sensor and what the model does there go together along a ridge, which bounded priors cut off.
+            settings.push(("acceptance".to_owned(), Item::number(0.95)));
+            settings.push(("warmup".to_owned(), Item::number(1000.0)));
+            settings.push(("draws".to_owned(), Item::number(2000.0)));
         }
         jobs.push((name.clone(), Item::one(kind, Item::Object(settings))));
         added.push((name, kind));

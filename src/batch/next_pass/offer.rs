@@ -3,10 +3,12 @@
 use serde::Deserialize;
 
 use crate::batch::{Executed, LoadedPass};
-use crate::diagnosis::Output;
 use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::{Output, PRIOR_OF};
 use crate::document::visible::shell_word;
+use crate::study::resolve::of_sensors;
 
+use super::acting::{Acting, acts_in};
 use super::entry::probability_text;
 
 /// Effects offered of one diagnosis.
@@ -25,6 +27,8 @@ pub struct Offer {
     pub probability: String,
     /// The command.
     pub command: String,
+    /// Where the effects act unless they belong to the test alone, in a sentence; empty where they act on no model.
+    pub acts: String,
 }
 
 /// The diagnosis of this name among the results of a pass.
@@ -48,6 +52,8 @@ pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
         let of_job = if place == 0 { String::new() } else { format!(" --job {}", shell_word(&job.name)) };
         let base = format!("bmv adopt {}{of_job}", shell_word(&pass.shown));
         let offer = |effects: &[&EffectResult], are_named: bool| {
+            let on_model = effects.iter().any(|effect| acts_on_model(pass, effect));
+            let acts = on_model.then(|| acts_in(&pass.pass, &Acting::Everywhere, effects.len() == 1).0);
             let ids: Vec<String> = effects.iter().filter(|_| are_named).map(|effect| effect.id.clone()).collect();
             let words: String = ids.iter().map(|id| format!(" {}", shell_word(id))).collect();
             Offer {
@@ -56,6 +62,7 @@ pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
                 probability: output.odds(effects).map(probability_text).unwrap_or_default(),
                 command: format!("{base}{words}"),
                 effects: ids,
+                acts: acts.unwrap_or_default(),
             }
         };
         let selected: Vec<&EffectResult> = output.selected.iter().filter_map(|id| output.effect(id)).collect();
@@ -72,6 +79,11 @@ pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
         }
     }
     offers
+}
+
+/// Whether an effect changes the model, not a sensor or a prior alone.
+fn acts_on_model(pass: &LoadedPass, effect: &EffectResult) -> bool {
+    effect.effect != PRIOR_OF && pass.pass.catalogue.get(&effect.effect).is_none_or(|own| !of_sensors(own))
 }
 
 fn in_words(effect: &EffectResult) -> String {

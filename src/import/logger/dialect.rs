@@ -95,6 +95,35 @@ pub fn dialect(text: &str) -> Option<Dialect> {
     Some(Dialect { separator, header, has_comma })
 }
 
+/// Whether the line that would be the header holds readings: no line names the columns, or the separator is another.
+pub(super) fn is_without_names(text: &str, dialect: &Dialect) -> bool {
+    let line = text.trim_start_matches('\u{feff}').lines().nth(dialect.header).unwrap_or_default();
+    let own: Vec<String> = cells(line, dialect.separator).into_iter().filter(|cell| !cell.is_empty()).collect();
+    let begins_as_number =
+        |cell: &&String| cell.trim_start_matches(['-', '+']).starts_with(|c: char| c.is_ascii_digit());
+    // Names of channels may be numbers, that of the time is none.
+    own.first().is_some_and(|first| begins_as_number(&first))
+        && 2 * own.iter().filter(begins_as_number).count() > own.len()
+}
+
+/// A character that stands equally often in nearly all lines, and oftener than any other such one: what separates the cells
+/// of a log that is written in no known way.
+pub(super) fn other_separator(text: &str) -> Option<char> {
+    let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).collect();
+    let is_candidate =
+        |c: char| c == ' ' || (c.is_ascii_punctuation() && !matches!(c, '.' | ',' | '-' | '+' | '"' | '\''));
+    let candidates = (' '..='~').filter(|c| is_candidate(*c));
+    let counted = candidates.filter_map(|candidate| {
+        let mut counts: Vec<usize> = lines.iter().map(|line| line.matches(candidate).count()).collect();
+        counts.sort_unstable();
+        let common = counts.get(counts.len() / 2).copied().filter(|common| *common > 0)?;
+        let agreeing = counts.iter().filter(|count| **count == common).count();
+        (lines.len() > 1 && 10 * agreeing >= 8 * lines.len()).then_some((common, candidate))
+    });
+    // A space of dates goes after what stands as often.
+    counted.max_by_key(|&(common, candidate)| (common, candidate != ' ')).map(|(_, candidate)| candidate)
+}
+
 /// What a cell says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {

@@ -2,11 +2,13 @@
 //! times in ISO 8601, as an epoch or as seconds, several files, channels that are dead or that nothing needs.
 //!
 //! `dialect`: how a file is written. `instant`: times. `channels`: what the user says of the channels. `record`: the
-//! files as one record. `between_rows`: how an input goes between two rows. `proposal`: that record as a measurement of a
+//! files as one record. `dead`: channels that died in its course. `absolute_error`: the tolerance of a thermometer's type. `between_rows`: how an input goes between two rows. `proposal`: that record as a measurement of a
 //! study; `map_template`: what the user may say of the channels. Text in, text out: no file is touched.
 
+pub mod absolute_error;
 pub mod between_rows;
 mod channels;
+pub mod dead;
 pub mod dialect;
 pub mod instant;
 mod map_template;
@@ -45,7 +47,8 @@ pub fn read(files: &[(String, String)], settings: &Settings) -> Result<Record, D
         let source: Arc<Source> = Source::new(name.clone(), text.clone());
         record.add(&source, settings.time.as_deref(), &mut diagnostics);
     }
-    if let Some(map) = map {
+    // Of a file that was not understood the channels are not known: the map would be wrong in every line.
+    if let Some(map) = map.filter(|_| !diagnostics.has_errors()) {
         channels::apply(&map, &mut record, &mut diagnostics);
     }
     record.finish();

@@ -2,7 +2,9 @@
 
 use serde_json::{Map, Value, json};
 
+use super::absolute_error::{self, Tolerance};
 use super::between_rows::{BetweenRows, between_rows};
+use super::dead;
 use super::record::{Channel, Record};
 use crate::document::counted;
 use crate::document::suggest::{self, listed};
@@ -48,13 +50,15 @@ impl Known {
     }
 }
 
-/// What the user says of how inputs go between rows.
+/// What the user says of channels: how inputs go between rows, and what is no fault.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Said {
     /// Names of the inputs, or of their channels, that are held from row to row.
     pub held: Vec<String>,
     /// Names of those that are linear between rows.
     pub linear: Vec<String>,
+    /// Names of channels whose readings all stay, though they look dead.
+    pub kept: Vec<String>,
 }
 
 impl Said {
@@ -116,7 +120,10 @@ pub(super) fn meant<'k>(names: &'k [String], channel: &Channel) -> Option<&'k St
 /// # Errors
 /// What the user says of an input that the record does not have.
 pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Result<Proposal, String> {
+    let (record, of_dead) = dead::without(record, &said.kept);
+    let record = &record;
     let mut notes = record.notes.clone();
+    let mut assumed: Vec<(String, Tolerance)> = Vec::new();
     let mut sensors = Map::new();
     let mut hold: Vec<String> = Vec::new();
     let (mut columns, mut inputs, mut unknown): (Vec<(String, &Channel)>, Vec<String>, Vec<&Channel>) =
@@ -149,14 +156,16 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
             }
             of_inputs.push((input.as_str(), channel.name.as_str()));
             columns.push((input.clone(), channel));
-        } else if channel.is_stuck() {
+        } else if channel.is_stuck() && !said.kept.contains(&channel.name) {
             let value = channel.readings.iter().flatten().next().copied().unwrap_or(f64::NAN);
             notes.push(format!(
                 "channel `{}` reads {value} throughout, as if nothing were connected: left out",
                 channel.name
             ));
         } else if let Some(measures) = meant(&known.measured, channel) {
-            sensors.insert(channel.name.clone(), sensor(measures, channel));
+            let tolerance = absolute_error::tolerance(channel);
+            sensors.insert(channel.name.clone(), sensor(measures, channel, tolerance));
+            assumed.extend(tolerance.map(|tolerance| (channel.name.clone(), tolerance)));
             measuring.push(channel);
             columns.push((channel.name.clone(), channel));
         } else {
@@ -194,6 +203,8 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
     if let Some(wrong) = said.wrong(&of_inputs) {
         return Err(wrong);
     }
+    notes.extend(of_dead);
+    notes.extend(absolute_error::note(&assumed));
     notes.extend(rules);
     notes.extend(coarse(record, &measuring, !hold.is_empty()));
     if !hold.is_empty() {
@@ -212,10 +223,14 @@ fn unknown_name(channel: &Channel, known: &Known) -> String {
     format!("`{}` (mapped to `{measures}`{near})", channel.name)
 }
 
-fn sensor(measures: &str, channel: &Channel) -> Value {
+fn sensor(measures: &str, channel: &Channel, tolerance: Option<Tolerance>) -> Value {
     let mut out = json!({"measures": measures});
     if let (Some(sigma), true) = (scatter(&channel.readings), channel.is_temperature()) {
         out["sigma"] = json!({"value": sigma, "unit": "K"});
+    }
+    if let Some(tolerance) = tolerance {
+        out["bias"] = tolerance.bias();
+        out["description"] = json!(tolerance.in_words());
     }
     out
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::dialect::{Dialect, Reading, dialect, name_and_unit, reading, unit_of};
+use super::dialect::{Dialect, Reading, dialect, is_without_names, name_and_unit, other_separator, reading, unit_of};
 use super::instant::{Instant, instant};
 use crate::document::{Diagnostics, Source, code, counted};
 use crate::expression::Unit;
@@ -41,6 +41,8 @@ const STUCK: usize = 20;
 pub struct Channel {
     /// Its name.
     pub name: String,
+    /// Its name in the files, whatever a map calls it.
+    pub label: String,
     /// Its unit as the study format writes it.
     pub unit: Option<String>,
     /// What it measures, where the user says so.
@@ -99,14 +101,24 @@ impl Record {
     pub(super) fn add(&mut self, source: &Arc<Source>, time: Option<&str>, diagnostics: &mut Diagnostics) {
         let mut problems = Problems::default();
         let text = source.text();
-        let Some(dialect) = dialect(text) else {
-            let help = "a header, then a row an instant, cells separated by `;`, a tab, `|` or `,`";
-            problems.add(
-                &code::TABLE_SHAPE,
-                0..text.len().min(1),
-                "no separator makes columns of these lines",
-                Some(help),
-            );
+        let found = dialect(text);
+        let Some(dialect) = found.filter(|dialect| !is_without_names(text, dialect)) else {
+            let line = found.map_or(0, |dialect| dialect.header);
+            let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+            let end = start + text[start..].lines().next().map_or(0, str::len);
+            let message = match found {
+                None => "no separator makes columns of these lines",
+                Some(_) => "no line of names stands above these readings: it has other separators, or is not there",
+            };
+            let known =
+                "a header with the channels' names, then a row an instant, cells separated by `;`, a tab, `|` or `,`";
+            let help = match other_separator(text) {
+                Some(other) if found.is_none_or(|found| char::from(found.separator) != other) => {
+                    format!("{known}; `{other}` seems to separate these: put `;` in its place")
+                }
+                _ => known.to_owned(),
+            };
+            problems.add(&code::TABLE_SHAPE, start..end, message, Some(&help));
             problems.report(source, diagnostics);
             return;
         };
@@ -197,7 +209,7 @@ impl Record {
             };
         }
         let unit = unit.map(str::to_owned);
-        self.channels.push(Channel { name: name.to_owned(), unit, ..Channel::default() });
+        self.channels.push(Channel { name: name.to_owned(), label: name.to_owned(), unit, ..Channel::default() });
         Ok(self.channels.len() - 1)
     }
 

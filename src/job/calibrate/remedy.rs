@@ -7,6 +7,8 @@ use super::sampler::Sampler;
 pub const MANY_DRAWS: u64 = 8000;
 /// Effective draws that are asked for.
 const WANTED: f64 = 400.0;
+/// Share of accepted moves above which the steps of trajectories are those of an acceptance of 0.95.
+const SHORT_STEPS: f64 = 0.92;
 /// Most times as many draws as before.
 const MOST_TIMES: f64 = 16.0;
 
@@ -41,17 +43,38 @@ impl Output {
             Some(Sampler::Nuts | Sampler::AdaptiveMetropolis) if is_nearly_normal => {
                 format!(r#""sampler": "{independent}", "draws": {MANY_DRAWS}"#)
             }
-            Some(Sampler::Nuts) => r#""acceptance": 0.95, "warmup": 1000"#.to_owned(),
+            // Steps that are short already do not get shorter by the same settings.
+            Some(Sampler::Nuts) if self.has_short_steps() && self.least_effective() >= WANTED => {
+                format!(r#""sampler": "{}""#, Sampler::Smc.name())
+            }
+            Some(Sampler::Nuts) => {
+                let draws = match self.least_effective() < WANTED {
+                    true => format!(r#", "draws": {}"#, self.more_draws()),
+                    false => String::new(),
+                };
+                format!(r#""acceptance": 0.95, "warmup": 1000{draws}"#)
+            }
             Some(Sampler::AdaptiveMetropolis) => format!(r#""draws": {}"#, self.more_draws()),
         };
         Some(Remedy::Settings(settings))
     }
 
+    /// Whether trajectories accepted so many of their moves as steps do that aim at 0.95.
+    fn has_short_steps(&self) -> bool {
+        let chains = self.acceptance.len().max(1) as f64;
+        self.acceptance.iter().sum::<f64>() / chains > SHORT_STEPS
+    }
+
+    /// The least effective number of draws of any unknown, in the bulk or the tails.
+    fn least_effective(&self) -> f64 {
+        let effective = |own: Option<f64>| own.unwrap_or(0.0);
+        let all = self.parameters.values().flat_map(|own| [effective(own.ess_bulk), effective(own.ess_tail)]);
+        all.fold(f64::INFINITY, f64::min)
+    }
+
     /// So many more draws that the least effective number becomes enough, and at least twice as many; to two digits.
     fn more_draws(&self) -> u64 {
-        let effective = |own: Option<f64>| own.unwrap_or(0.0);
-        let least = self.parameters.values().flat_map(|own| [effective(own.ess_bulk), effective(own.ess_tail)]);
-        let least = least.fold(f64::INFINITY, f64::min).max(1.0);
+        let least = self.least_effective().max(1.0);
         let times = (1.5 * WANTED / least).clamp(2.0, MOST_TIMES);
         let draws = times * self.chains[1] as f64;
         format!("{draws:.1e}").parse::<f64>().unwrap_or(draws) as u64
@@ -62,6 +85,10 @@ impl Remedy {
     /// Where to write what, in words: `write "draws": 8000 under jobs.tuned.calibrate`.
     pub fn in_words(&self, job: &str) -> String {
         match self {
+            // Another sampler refuses what only the old one knows.
+            Self::Settings(settings) if settings.contains("\"sampler\"") => {
+                format!("write {settings} under jobs.{job}.calibrate, in place of what is said of the sampler there")
+            }
             Self::Settings(settings) => format!("write {settings} under jobs.{job}.calibrate"),
             Self::Upstream(source) => format!("mend {source} first, whose draws are the prior here"),
         }

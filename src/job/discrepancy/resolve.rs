@@ -6,7 +6,7 @@ use super::form::{
 };
 use super::output::{Law, Spec};
 use crate::document::prior::{LognormalForm, PosteriorForm, PriorForm};
-use crate::document::{Diagnostic, NameOr, Place, Sense, Spanned, code, counted, suggest};
+use crate::document::{Diagnostic, NameOr, Place, Sense, Spanned, canonical, code, counted, suggest};
 use crate::expression::{Dimension, Unit};
 use crate::inference::gaussian_process::hyperparameters::Beforehand;
 use crate::inference::gaussian_process::{FEWEST_POINTS, Kernel, Trend};
@@ -48,10 +48,19 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &DiscrepancyForm, 
     let place = places.first().unwrap_or(&entry.name_place).clone();
     if let Some(transient) = chosen.iter().find(|position| !is_steady(position)) {
         if form.data.is_some() || !chosen.iter().any(is_steady) {
-            let message = format!("`{}` is a transient", offered.data[*transient].name);
+            let transient = &offered.data[*transient];
+            let message = format!("`{}` is a transient", transient.name);
+            let known = transient.sensors.first().map(|sensor| &scope.resolved.model.quantities[sensor.quantity]);
+            let size = known.map_or_else(String::new, |quantity| {
+                let (name, unit) = (canonical::quoted(&quantity.name), canonical::quoted(&quantity.unit));
+                format!(
+                    "; or leave this job out, and let predictions add a standard deviation to what the sensors measure: {{\"predict\": \
+                     {{\"quantities\": [{name}], \"with\": {{\"discrepancy\": {{{name}: {{\"value\": 1, \"unit\": {unit}}}}}}}}}}}"
+                )
+            });
             let diagnostic = Diagnostic::error(&code::DISCREPANCY, &place, message)
                 .expected("steady phases: residuals of neighbouring instants are no independent ones")
-                .help("cut steady phases from it (`windows`)");
+                .help(format!("cut steady phases from it (`windows` of a steady measurement){size}"));
             scope.diagnostics.push(diagnostic);
             return None;
         }

@@ -1,5 +1,6 @@
 //! From a pass as written to a pass that can be run.
 
+mod absolute_error;
 pub mod adopt;
 mod adopt_parameter;
 mod adopt_place;
@@ -317,6 +318,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     let figures = figure::figures(&mut scope, &form.figures, &offered, &forms);
     if !scope.diagnostics.has_errors() {
         // What is wrong comes first.
+        absolute_error::warn(&mut scope, form, &measurements);
         drift::doubts(&mut scope, form, &jobs, &mut measurements);
         for doubt in plausible::said_once(std::mem::take(&mut scope.doubts)) {
             scope.diagnostics.push(doubt);

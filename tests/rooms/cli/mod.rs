@@ -1,5 +1,6 @@
 //! Tests of `src/cli/mod.rs`.
 
+mod diagnose;
 mod output;
 mod serve_model;
 

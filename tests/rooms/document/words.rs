@@ -24,3 +24,11 @@ fn a_p_value_is_never_0() {
     assert_eq!(said, wanted);
     assert_eq!([0.0, 0.96, f64::NAN].map(p_stated), ["p < 1e-6", "p = 0.96", "p = unknown"]);
 }
+
+#[test]
+fn large_counts_have_a_comma_at_each_thousand() {
+    assert_eq!(counted(9999_u64, "pair"), "9999 pairs");
+    assert_eq!(counted(12_345_u64, "pair"), "12,345 pairs");
+    assert_eq!(counted(12_941_328_u64, "trajectory"), "12,941,328 trajectories");
+    assert_eq!((grouped(100_000), grouped(-12_345)), ("100,000".to_owned(), "-12345".to_owned()));
+}

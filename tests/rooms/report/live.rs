@@ -16,6 +16,7 @@ fn a_served_page_has_everything_once_and_no_markup_of_the_study() {
         title: hostile,
         probability: hostile,
         command: hostile,
+        acts: hostile,
     };
     let around = Around {
         version: 3,
@@ -33,5 +34,9 @@ fn a_served_page_has_everything_once_and_no_markup_of_the_study() {
     }
     assert!(served.contains("data-version=\"3\"") && served.contains(&policy_of_page()));
     assert!(served.contains("<button type=\"submit\">Adopt</button>"));
+    assert_eq!(served.matches("name=\"test_only\"").count(), 1);
+    let of_sensors = Around { offers: &[Offered { acts: "", ..offer }], ..around };
+    let of_sensors = bmv::report::live::served(&page, &of_sensors).expect("served");
+    assert!(!of_sensors.contains("test_only"), "a sensor is in no prediction");
     assert!(!page.contains(SCRIPT) && !page.contains("connect-src"), "a report has none of it");
 }

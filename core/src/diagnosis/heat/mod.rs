@@ -18,7 +18,7 @@ use crate::math::dense::{dot_of_columns as dot, square};
 use crate::math::functions::ln;
 use crate::watch;
 use relations::relations;
-use sources::{Kind, Source, Sources, State, norms};
+use sources::{Kind, NoHeat, Source, Sources, State, norms};
 
 /// Most nodes and sensors.
 const MOST_KINDS: usize = 4;
@@ -167,21 +167,27 @@ fn settle(sources: &Sources, mut state: State, chosen: &Needed) -> State {
     state
 }
 
-/// The heat that a fit of the baseline model lacks. `None` for networks that are too large or that cannot be solved so.
-pub fn missing_heat(problem: &Problem, baseline: &Refit) -> Option<MissingHeat> {
+/// The heat that a fit of the baseline model lacks.
+///
+/// # Errors
+/// Why it is not known.
+pub fn missing_heat(problem: &Problem, baseline: &Refit) -> Result<MissingHeat, NoHeat> {
     let sources = Sources::new(problem)?;
     let list = sources.list();
-    let state = sources.at(&baseline.unknowns, &vec![0.0; list.len()])?;
-    let without = Evidence::new(&state.linear).log_evidence(&[])?;
+    let state = sources.at(&baseline.unknowns, &vec![0.0; list.len()]).ok_or(NoHeat::NotSolved)?;
+    let without = Evidence::new(&state.linear).log_evidence(&[]).ok_or(NoHeat::NotDetermined)?;
     let norms = norms(&state.columns);
     let (chosen, price) = needed(&state, list, &norms, without);
     let state = settle(&sources, state, &chosen);
-    let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen))?;
+    let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen)).ok_or(NoHeat::NotDetermined)?;
     // Biases alone are an effect of the catalogue, not something else.
     let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));
     // Not as a difference to the baseline fit: where that is bent to sums of squares of 1e8, it is off by millions.
-    let log_evidence = if has_heat { with + sources.constant(&state, baseline)? - price } else { f64::NEG_INFINITY };
-    let (_, amplitudes, sds) = solve(&state, &chosen)?;
+    let log_evidence = match has_heat {
+        true => with + sources.constant(&state, baseline).ok_or(NoHeat::NotDetermined)? - price,
+        false => f64::NEG_INFINITY,
+    };
+    let (_, amplitudes, sds) = solve(&state, &chosen).ok_or(NoHeat::NotDetermined)?;
     let mut heat = Vec::new();
     for ((&(place, _), watts), sd) in chosen.iter().zip(&amplitudes).zip(sds) {
         let source = &list[place];
@@ -191,5 +197,5 @@ pub fn missing_heat(problem: &Problem, baseline: &Refit) -> Option<MissingHeat> 
     }
     let watts: Vec<(&Source, f64)> =
         chosen.iter().zip(&amplitudes).map(|(&(place, _), watts)| (&list[place], *watts)).collect();
-    Some(MissingHeat { log_evidence, heat, goes_with: relations(problem, &watts) })
+    Ok(MissingHeat { log_evidence, heat, goes_with: relations(problem, &watts) })
 }

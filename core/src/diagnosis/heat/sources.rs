@@ -82,16 +82,51 @@ pub struct State {
     pub half_square: f64,
 }
 
+/// Why heat of unknown origin is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoHeat {
+    /// It would have too many sources.
+    TooMany,
+    /// Sources cannot be put into the model.
+    NotMade,
+    /// The model has no solution with it.
+    NotSolved,
+    /// The readings do not determine its size.
+    NotDetermined,
+}
+
+impl NoHeat {
+    /// The reason, after a colon.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::TooMany => format!(
+                "a source for each node and each phase (of a transient, each of {STRETCHES} stretches of every part) makes more than \
+                 {MOST_SOURCES}"
+            ),
+            Self::NotMade => "the model takes no source of heat in one of its nodes".to_owned(),
+            Self::NotSolved => "the model has no solution with such heat".to_owned(),
+            Self::NotDetermined => "the readings do not determine how much it is".to_owned(),
+        }
+    }
+}
+
 impl Sources {
-    /// Sources in every node that has a balance. `None` for networks that are too large.
-    pub fn new(problem: &Problem) -> Option<Self> {
-        let likelihood = problem.hypothesis(&[], 1.0).ok()?.likelihood(problem).ok()?;
+    /// Sources in every node that has a balance.
+    ///
+    /// # Errors
+    /// They are too many, or cannot be made.
+    pub fn new(problem: &Problem) -> Result<Self, NoHeat> {
+        let hypothesis = problem.hypothesis(&[], 1.0).map_err(|_| NoHeat::NotMade)?;
+        let likelihood = hypothesis.likelihood(problem).map_err(|_| NoHeat::NotMade)?;
         let mut all = Self { likelihood, fields: Vec::new(), list: Vec::new(), biases: Vec::new() };
         // What heat over a stretch of time does is seen well enough on fewer rows.
         let thinned = problem.thinned(TOLERANCE_ON_FEWER_ROWS);
         let fewer = thinned.map_or_else(Vec::new, |thinned| thinned.slopes_on(&thinned.problem.measurements));
         for index in 0..problem.measurements.len() {
             all.add_measurement(problem, index, fewer.get(index..=index).unwrap_or_default())?;
+            if all.list.len() > MOST_SOURCES {
+                return Err(NoHeat::TooMany);
+            }
         }
         for (index, measurement) in problem.measurements.iter().enumerate() {
             for sensor in 0..measurement.sensors.len() {
@@ -107,7 +142,7 @@ impl Sources {
                 });
             }
         }
-        Some(all)
+        Ok(all)
     }
 
     /// The sources.
@@ -115,7 +150,7 @@ impl Sources {
         &self.list
     }
 
-    fn add_measurement(&mut self, problem: &Problem, index: usize, fewer: &[Option<FewerRows>]) -> Option<()> {
+    fn add_measurement(&mut self, problem: &Problem, index: usize, fewer: &[Option<FewerRows>]) -> Result<(), NoHeat> {
         let measurement = &problem.measurements[index];
         let mut model = (*problem.model).clone();
         let nodes: Vec<usize> = (0..model.nodes.len())
@@ -127,8 +162,11 @@ impl Sources {
             .collect();
         match &measurement.rows {
             Rows::Steady(phases) => {
-                let names: Vec<String> =
-                    nodes.iter().map(|&node| add_source(&mut model, node, 0, None)).collect::<Option<_>>()?;
+                let names: Vec<String> = nodes
+                    .iter()
+                    .map(|&node| add_source(&mut model, node, 0, None))
+                    .collect::<Option<_>>()
+                    .ok_or(NoHeat::NotMade)?;
                 for (row, phase) in phases.iter().enumerate() {
                     let rows: Vec<usize> = data
                         .iter()
@@ -161,7 +199,7 @@ impl Sources {
                 for &node in &nodes {
                     for (stretch, (middle, width)) in stretches(measurement).into_iter().enumerate() {
                         let shape = format!("max(0, 1 - abs(t - {middle:e}) / {width:e})");
-                        names.push(add_source(&mut model, node, stretch, Some(&shape))?);
+                        names.push(add_source(&mut model, node, stretch, Some(&shape)).ok_or(NoHeat::NotMade)?);
                         let row = inputs.times_s.partition_point(|&time| time < middle);
                         let row = row.min(inputs.times_s.len().saturating_sub(1));
                         self.list.push(Source {
@@ -176,7 +214,7 @@ impl Sources {
                 self.add_field(problem, &model, (index, measurement, fewer), rows, &names, first)?;
             }
         }
-        (self.list.len() <= MOST_SOURCES).then_some(())
+        Ok(())
     }
 
     fn add_field(
@@ -187,7 +225,7 @@ impl Sources {
         rows: Vec<usize>,
         names: &[String],
         first: usize,
-    ) -> Option<()> {
+    ) -> Result<(), NoHeat> {
         let mut priors = problem.priors.clone();
         let mut parameters = problem.parameters.clone();
         for position in problem.priors.len()..model.parameters.len() {
@@ -201,7 +239,7 @@ impl Sources {
             measurements: &[measurement],
             input_errors: &problem.input_errors,
         })
-        .ok()?;
+        .map_err(|_| NoHeat::NotMade)?;
         let likelihood = problem
             .informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default())
             .with_slopes_on(fewer);
@@ -213,7 +251,7 @@ impl Sources {
             .map(|name| names.iter().position(|source_name| source_name == name).map(|place| first + place))
             .collect();
         self.fields.push(Field { likelihood, rows, unknowns, sources });
-        Some(())
+        Ok(())
     }
 
     /// Linearises at unknowns (SI) and amplitudes of the sources. `None` where a phase cannot be solved so.

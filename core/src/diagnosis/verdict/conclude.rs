@@ -4,6 +4,7 @@ use crate::diagnosis::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
 use crate::diagnosis::fits::held_out;
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat;
+use crate::diagnosis::heat::sources::NoHeat;
 use crate::diagnosis::noise::overstated;
 use crate::diagnosis::odds::posterior_odds::{
     RIVALS_WITHIN, STANDS, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
@@ -50,7 +51,12 @@ impl Diagnosis {
         let moved = finds.then(|| self.moved(state, &problem, stated));
         let state = moved.as_ref().unwrap_or(state);
         let baseline = &state.refits[0];
-        let missing = finds.then(|| heat::missing_heat(&problem, baseline)).flatten();
+        let missing = finds.then(|| heat::missing_heat(&problem, baseline));
+        let (missing, no_heat) = match missing {
+            Some(Ok(missing)) => (Some(missing), None),
+            Some(Err(why)) => (None, Some(why)),
+            None => (None, None),
+        };
         // A model error that is allowed for is what something else would be.
         let something_else = missing.as_ref().filter(|_| !state.is_misspecified()).map(|missing| missing.log_evidence);
         let shown_by_held_out = by_held_out.is_some();
@@ -61,11 +67,9 @@ impl Diagnosis {
         if finds {
             warnings.extend(still::warnings(&problem, baseline));
         }
-        if finds && missing.is_none() {
-            warnings.push("heat of unknown origin could not be compared with the effects: the network is too large, or it has no solution with \
-                 such heat"
-                    .to_owned());
-        }
+        let uncompared =
+            |why: NoHeat| format!("heat of unknown origin could not be compared with the effects: {}", why.in_words());
+        warnings.extend(no_heat.map(uncompared));
         let story = state.is_misspecified().then(|| self.story(state));
         let mut findings = Findings {
             problem: &problem,

@@ -25,7 +25,7 @@ const LEAST_SHARE: f64 = 0.2;
 /// is half of that before.
 pub(super) const AS_LIKELY: f64 = 3.0;
 /// Probability that a small effect is none: nothing beforehand speaks for either.
-pub(super) const IS_MODEL_ERROR: f64 = 0.5;
+pub(crate) const IS_MODEL_ERROR: f64 = 0.5;
 
 impl Findings<'_> {
     /// Probability that errors of the model are what an effect explains, of each for which it is not 0. Where something `is_left`

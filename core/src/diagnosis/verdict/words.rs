@@ -1,5 +1,6 @@
 //! The verdict in sentences.
 
+use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
 use crate::diagnosis::odds::prior_scale::WIDTHS;
 use crate::diagnosis::output::{
     Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
@@ -404,6 +405,71 @@ fn beyond_what_was_measured(experiment: &DiscriminatingExperiment, problem: &Pro
     })
 }
 
+/// Probability from which an effect counts among those that may be missing.
+const LIKELY: f64 = 0.01;
+/// Effects that are said to need a gas.
+const MOST_OF_GAS: usize = 3;
+
+/// That effects which may be missing need a gas, where nothing tells whether there was any: how a study says that there was none.
+pub fn of_gas(effects: &[EffectResult], problem: &Problem) -> Option<String> {
+    let needs = |own: &&EffectResult| problem.catalogue.get(&own.effect).is_some_and(Effect::needs_gas);
+    let has_pressure = problem.model.inputs.iter().any(is_pressure);
+    let likely = effects.iter().filter(|own| own.probability >= LIKELY && !own.changes_nothing);
+    let ids: Vec<String> = likely.filter(needs).map(|own| format!("`{}`", own.id)).take(MOST_OF_GAS).collect();
+    (!ids.is_empty() && !has_pressure && !is_vacuum(problem)).then(|| {
+        format!(
+            "{} would take a gas. Was the test in vacuum? Then say so by an input of the model, which nothing has to use: \
+             \"pressure\": {{\"unit\": \"Pa\", \"nominal\": 0.001}}.",
+            ids.join(", ")
+        )
+    })
+}
+
+/// Inputs that the words on a proposed phase name.
+const MOST_SETTINGS: usize = 4;
+/// Share of the tested span by which a setting may lie outside it and count as tested.
+const NEARLY_TESTED: f64 = 0.02;
+
+/// That a proposed phase sets inputs to what no fitted data have: within the stated ranges, and perhaps beyond what the test can do.
+pub fn beyond_what_was_set(experiment: &DiscriminatingExperiment, problem: &Problem) -> Option<String> {
+    let mut outside: Vec<String> = Vec::new();
+    for (index, input) in problem.model.inputs.iter().enumerate() {
+        let Some(setting) = experiment.conditions.get(&input.name) else { continue };
+        let mut tested: Option<[f64; 2]> = None;
+        for own in &problem.measurements {
+            for row in (0..own.len()).filter(|&row| !own.ignored(row)) {
+                let value = match &own.rows {
+                    Rows::Steady(phases) => phases[row].inputs[index],
+                    Rows::Transient { inputs, .. } => inputs.in_row(row, index),
+                };
+                let [low, high] = tested.unwrap_or([value, value]);
+                tested = Some([low.min(value), high.max(value)]);
+            }
+        }
+        let Some([low, high]) = tested else { continue };
+        let near = NEARLY_TESTED * (high - low).abs();
+        if (low - near..=high + near).contains(&setting.value) {
+            continue;
+        }
+        let unit = Unit::parse(&input.unit).ok();
+        let shown = |si: f64| short(unit.as_ref().map_or(si, |unit| unit.from_si(si)), 3);
+        let text = if input.unit == "1" { String::new() } else { format!(" {}", input.unit) };
+        let so_far = if low == high { shown(low) } else { format!("{} to {}", shown(low), shown(high)) };
+        outside.push(format!("`{}` at {}{text} (so far {so_far}{text})", input.name, shown(setting.value)));
+    }
+    let more = outside.len().saturating_sub(MOST_SETTINGS);
+    outside.truncate(MOST_SETTINGS);
+    if more > 0 {
+        outside.push(format!("{more} more"));
+    }
+    (!outside.is_empty()).then(|| {
+        format!(
+            "It sets what these data do not have: {}. What the test cannot set is kept out by a narrower `range` of that input in the model.",
+            outside.join(", ")
+        )
+    })
+}
+
 /// The sentences: how wrong, what is missing, how sure, what it does to the error, what else it could be.
 pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64) -> Vec<String> {
     let mut words = Vec::new();
@@ -572,6 +638,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 p_stated(output.remaining_p.unwrap_or(f64::NAN))
             ));
         }
+        words.extend(of_gas(&output.effects, findings.problem));
         words.extend(output.one_thing.as_ref().map(OneThing::in_words));
         if let Some(experiment) = &output.discriminating_experiment {
             words.push(format!(
@@ -580,6 +647,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 percent(experiment.probability),
                 percent(experiment.repeat_probability)
             ));
+            words.extend(beyond_what_was_set(experiment, findings.problem));
             words.extend(beyond_what_was_measured(experiment, findings.problem));
         }
     }

@@ -147,6 +147,9 @@ codes! { PASS_CODES:
     NO_SIGMA = "no-sigma", "a sensor without noise in a calibration",
         "How closely a model must follow a reading is decided by the noise of its sensor. A comparison works without it, a calibration does not: it needs the standard deviation as a value, or a prior under which it is inferred.",
         "wrong: \"panel\": {\"measures\": \"panel\"}\nright: \"panel\": {\"measures\": \"panel\", \"sigma\": {\"value\": 0.25, \"unit\": \"K\"}}";
+    NO_ABSOLUTE_ERROR = "no-absolute-error", "a logged sensor whose only error is noise (warning)",
+        "`sigma` is the noise of a reading, independent from row to row: over many rows it averages out. A thermometer also has an error that stays: that of its calibration or its type, of where it sits and of the gradient under it. That is `bias`, a value or a prior about 0. Without one, a calibration on a long log knows each temperature to hundredths of a kelvin, which no thermocouple does, and what is fitted and predicted is far too certain. In steady phases `sigma` stands for all of it.",
+        "wrong: \"panel\": {\"measures\": \"panel\", \"sigma\": {\"value\": 0.1, \"unit\": \"K\"}}\nright: \"panel\": {\"measures\": \"panel\", \"sigma\": {\"value\": 0.1, \"unit\": \"K\"}, \"bias\": {\"prior\": {\"normal\": {\"mean\": 0, \"sd\": 0.75}}, \"unit\": \"K\"}}";
     DISCREPANCY = "discrepancy", "a discrepancy that its data do not allow",
         "A `discrepancy` job takes what a calibration leaves unexplained in steady phases, sensor by sensor, as a function of inputs. A sensor needs five readings in phases that are fitted, a Gaussian process five phases with different inputs; phases with the same inputs count as repetitions. The residuals are those after a `calibrate` job, of this pass or another, which `from` names.",
         "wrong: {\"discrepancy\": {\"mode\": \"joint\"}}\nright: {\"discrepancy\": {\"from\": \"tuned\", \"inputs\": [\"V\", \"T_if\"]}}";

@@ -76,10 +76,12 @@ pub enum ApplyError {
         reason: String,
     },
     /// A rate of something that has none.
-    #[error("sensor `{sensor}` measures no temperature of a node with a heat capacity: its rate is not known")]
+    #[error("the rate of what sensor `{sensor}` measures is not known: {reason}")]
     NoRate {
         /// The sensor.
         sensor: String,
+        /// Why.
+        reason: String,
     },
 }
 

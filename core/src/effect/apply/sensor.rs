@@ -4,7 +4,7 @@
 //! derivatives follow without more.
 
 use crate::expression::{ExprId, Symbol, Term};
-use crate::thermal::{Model, NodeKind, Quantity, QuantityValue};
+use crate::thermal::{Model, Node, NodeKind, Quantity, QuantityValue};
 
 use super::{ApplyError, Work};
 use crate::effect::candidate::Limits;
@@ -84,7 +84,10 @@ impl Work<'_, '_> {
         if !Limits::default().choose_members(self.model) || self.names_rate(text) {
             match self.rate(truth) {
                 Some(rate) => locals.push(("rate", rate)),
-                None if self.names_rate(text) => return Err(ApplyError::NoRate { sensor: sensor.name.clone() }),
+                None if self.names_rate(text) => {
+                    let reason = self.without_rate(truth, &measured.name);
+                    return Err(ApplyError::NoRate { sensor: sensor.name.clone(), reason });
+                }
                 None => {}
             }
         }
@@ -96,6 +99,19 @@ impl Work<'_, '_> {
             value: QuantityValue::Instant(value),
         });
         Ok(self.model.quantities.len() - 1)
+    }
+
+    /// Why what is measured has no rate, of a quantity of this name.
+    fn without_rate(&self, truth: ExprId, name: &str) -> String {
+        let Term::Symbol(Symbol::Node(node)) = self.model.graph.term(truth) else {
+            return format!("it is `{name}`, which is computed and no temperature of a node by itself");
+        };
+        match self.model.nodes.get(node as usize) {
+            Some(Node { name, kind: NodeKind::Boundary { .. }, .. }) => {
+                format!("the temperature of the boundary `{name}` is given")
+            }
+            _ => format!("node `{name}` has no heat capacity"),
+        }
     }
 
     /// Whether an expression names the rate: it does where its value follows a stand-in for it.

@@ -60,7 +60,7 @@ impl Brief for Comparison {
             let shown = Shown::si(&sensor.unit);
             let tuned = sensor.tuned.as_ref();
             let states = [
-                ("as delivered", Some((&sensor.train, &sensor.held_out))),
+                ("untuned", Some((&sensor.train, &sensor.held_out))),
                 ("tuned", tuned.map(|tuned| (&tuned.train, &tuned.held_out))),
             ];
             for (state, deviations) in states {
@@ -75,7 +75,7 @@ impl Brief for Comparison {
             }
         }
         if !output.verdicts.is_empty() {
-            rows.push(("criteria kept as delivered".to_owned(), kept(&output.verdicts)));
+            rows.push(("criteria kept untuned".to_owned(), kept(&output.verdicts)));
             if output.tuned.is_some() {
                 rows.push(("criteria kept tuned".to_owned(), kept(&output.tuned_verdicts())));
             }

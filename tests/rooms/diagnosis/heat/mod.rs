@@ -42,3 +42,17 @@ fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
     let constant = sources.constant(&state, &fitted).unwrap();
     assert!((without + constant - fitted.log_evidence).abs() < 0.05, "{without} {constant} {}", fitted.log_evidence);
 }
+
+#[test]
+fn why_heat_of_unknown_origin_is_not_known_is_said() {
+    use bmv::diagnosis::heat::sources::NoHeat;
+    let reasons = [NoHeat::TooMany, NoHeat::NotMade, NoHeat::NotSolved, NoHeat::NotDetermined].map(NoHeat::in_words);
+    assert!(reasons[0].contains("more than 600"), "{}", reasons[0]);
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+    let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    // Few nodes, but very many phases: it is not the network that is too large.
+    let own = problem.measurements[0].clone();
+    problem.measurements = vec![own; 120];
+    assert_eq!(Sources::new(&problem).err(), Some(NoHeat::TooMany));
+}

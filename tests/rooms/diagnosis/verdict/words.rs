@@ -1,7 +1,15 @@
 //! Tests of `core/src/diagnosis/verdict/words.rs`.
 
+use std::sync::Arc;
+
+use bmv::diagnosis::Problem;
 use bmv::diagnosis::output::{EffectResult, StoryStep};
 use bmv::diagnosis::verdict::words::*;
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::measurement::Rows;
+use bmv::thermal::{Input, NodeKind};
+use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
 #[test]
 fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
@@ -69,4 +77,60 @@ fn sizes_are_read_with_their_errors() {
     assert_eq!(with_error(1.0, 1e-8), "1.00 ± 1.0e-8");
     assert_eq!(with_error(f64::NAN, 1.0), "NaN ± 1.0");
     assert_eq!(short(-0.0, 2), "0");
+}
+
+/// A star in a steady test, and its effects at their places.
+fn star() -> Problem {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+    case(&catalogue, &recipe, 1, 0).expect("a case").problem
+}
+
+#[test]
+fn a_phase_beyond_what_was_set_is_said_with_what_keeps_it_out() {
+    let problem = star();
+    let input = &problem.model.inputs[0];
+    let values: Vec<f64> = match &problem.measurements[0].rows {
+        Rows::Steady(phases) => phases.iter().map(|phase| phase.inputs[0]).collect(),
+        Rows::Transient { .. } => panic!("steady"),
+    };
+    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let said = |value: f64| {
+        let conditions = serde_json::json!({&input.name: {"value": value, "unit": ""}});
+        let experiment =
+            serde_json::from_value(serde_json::json!({"between": [], "conditions": conditions, "probability": 0.9,
+            "repeat_probability": 0.5, "limits_ok": true, "predictions": {}}));
+        beyond_what_was_set(&experiment.expect("an experiment"), &problem)
+    };
+    assert_eq!(said(values[0]), None);
+    let beyond = said(highest + 500.0).expect("outside");
+    assert!(beyond.contains(&format!("`{}` at ", input.name)) && beyond.contains("so far"), "{beyond}");
+    assert!(beyond.contains("a narrower `range` of that input"), "{beyond}");
+}
+
+#[test]
+fn what_needs_a_gas_is_said_where_nothing_tells_of_a_vacuum_and_what_the_note_names_ends_it() {
+    let mut problem = star();
+    let mut warm = (*problem.model).clone();
+    let room = warm.graph.number(293.0);
+    for node in &mut warm.nodes {
+        if let NodeKind::Boundary { temperature } = &mut node.kind {
+            *temperature = room;
+        }
+    }
+    // The case has pressures of its own.
+    warm.inputs.iter_mut().filter(|own| own.unit == "Pa").for_each(|own| own.unit = "1".to_owned());
+    problem.model = Arc::new(warm.clone());
+    let convection = EffectResult { effect: "convection".into(), id: "convection:a:b".into(), ..effect(0.03) };
+    let note = of_gas(std::slice::from_ref(&convection), &problem).expect("a note");
+    assert!(
+        note.contains("`convection:a:b`") && note.contains(r#""pressure": {"unit": "Pa", "nominal": 0.001}"#),
+        "{note}"
+    );
+    assert_eq!(of_gas(&[EffectResult { probability: 0.001, ..convection.clone() }], &problem), None);
+    assert_eq!(of_gas(&[effect(0.03)], &problem), None);
+    let (name, unit, range, description) = ("pressure".to_owned(), "Pa".to_owned(), None, String::new());
+    warm.inputs.push(Input { name, unit, nominal: 0.001, range, settable: true, description });
+    problem.model = Arc::new(warm);
+    assert_eq!(of_gas(&[convection], &problem), None);
 }

@@ -1,4 +1,6 @@
+mod absolute_error;
 mod between_rows;
+mod dead;
 mod dialect;
 mod instant;
 mod map_template;

@@ -101,3 +101,22 @@ fn scatter_is_that_of_the_noise_and_not_of_the_ramp() {
     assert_eq!(scatter(&display), Some(0.14));
     assert_eq!(scatter(&ramp[..5]), None);
 }
+
+/// Cells that nothing known separates, as a comma in the numbers suggests another separator: one error, whatever the map says.
+#[test]
+fn a_log_that_cannot_be_split_is_one_error() {
+    let said = |separator: &str| {
+        let rows = ["Zeit;T1;T2;T3", "0;1,5;2,5;3,5", "10;1,6;2,6;3,6", "20;1,7;2,7;3,7"].join("\n");
+        let map = "channel,name\nT1,box\nT2,panel\n";
+        let settings = Settings { time: None, channels: Some(("map.csv".into(), map.into())) };
+        let wrong =
+            read(&[("log.csv".to_owned(), rows.replace(';', separator))], &settings).expect_err("not understood");
+        assert_eq!(wrong.errors(), 1, "{}", wrong.render(false, 9));
+        wrong.render(false, 9)
+    };
+    for separator in ["#", " ", "/"] {
+        let said = said(separator);
+        assert!(said.contains("log.csv:2:1") && said.contains("no line of names stands above"), "{said}");
+        assert!(said.contains(&format!("`{separator}` seems to separate these: put `;` in its place")), "{said}");
+    }
+}
