@@ -53,7 +53,8 @@ pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
         let base = format!("bmv adopt {}{of_job}", shell_word(&pass.shown));
         let offer = |effects: &[&EffectResult], are_named: bool| {
             let on_model = effects.iter().any(|effect| acts_on_model(pass, effect));
-            let acts = on_model.then(|| acts_in(&pass.pass, &Acting::Everywhere, effects.len() == 1).0);
+            let acts =
+                on_model.then(|| acts_in(&pass.pass, &Acting::Everywhere, effects.len() == 1).0.replace('`', ""));
             let ids: Vec<String> = effects.iter().filter(|_| are_named).map(|effect| effect.id.clone()).collect();
             let words: String = ids.iter().map(|id| format!(" {}", shell_word(id))).collect();
             Offer {
