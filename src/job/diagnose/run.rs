@@ -162,7 +162,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        34
+        35
     }
 
     fn identity(&self) -> Value {

@@ -102,12 +102,19 @@ impl Findings<'_> {
                 let effects = &refits[place].effects;
                 let absent: Vec<usize> =
                     large.iter().copied().filter(|&group| !effects.contains(&members[group])).collect();
+                // Beyond those that stand for large members, as many stand for small ones.
+                let small_absent = members.len()
+                    - large.len()
+                    - effects.iter().filter(|effect| members.contains(effect) && self.is_small(**effect)).count();
                 let mut others: Vec<usize> =
                     effects.iter().copied().filter(|effect| !members.contains(effect)).collect();
                 // The strongest stands for the strongest.
                 others.sort_by(|&a, &b| alone(b).total_cmp(&alone(a)).then(a.cmp(&b)));
                 for (position, &effect) in others.iter().enumerate() {
-                    let Some(&group) = absent.get(position).or(absent.last()) else { continue };
+                    let is_for_small = (absent.len()..absent.len() + small_absent).contains(&position);
+                    let Some(&group) = absent.get(position).or(absent.last()).filter(|_| !is_for_small) else {
+                        continue;
+                    };
                     // Curves come after laws, single places after whole surfaces.
                     let (one, other) = (members[group], effect);
                     if (is_unknown(other) && !is_unknown(one)) || (is_of_group(one) && !is_of_group(other)) {
