@@ -71,7 +71,7 @@ impl AppliesForm {
 
 impl AddsForm {
     /// Names of the additions given.
-    fn given(&self) -> Vec<&'static str> {
+    pub(super) fn given(&self) -> Vec<&'static str> {
         let all = [
             ("flow", self.flow.is_some()),
             ("load", self.load.is_some()),
