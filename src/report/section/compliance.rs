@@ -18,7 +18,7 @@ use super::validation::{Rests, claim, state};
 /// The section.
 pub(super) const SECTION: Entry = Entry::plain(build);
 
-/// Share of the distribution that lies on the safe side of what the remaining margin is taken from.
+/// Share of the distribution that lies below the upper end of the stated interval, and above its lower one.
 const SHARE: f64 = 0.99;
 /// Hexadecimal digits of a job's key that are shown; whole ones are under Provenance.
 const DIGITS: usize = 16;
@@ -49,7 +49,7 @@ pub struct Judged {
     pub probability_text: String,
     /// The same with the priors that the calibration began with.
     pub before: String,
-    /// What remains between the limit and the 99 % quantile towards it.
+    /// What remains between the limit and the quantile towards it that has the required probability.
     pub margin: String,
     /// State of the model on which it rests.
     pub state: String,
@@ -117,7 +117,7 @@ fn table(rows: &[Judged]) -> Table {
     Table {
         caption: format!(
             "Every requirement of the pass at the nominal design. Predicted: median, quantiles of 1 % and 99 %. Before: with the \
-             priors that the calibration began with. Margin: between the limit and the 99 % quantile towards it. Source: the \
+             priors that the calibration began with. Margin: between the limit and the quantile towards it at the required probability. Source: the \
              job and the first {DIGITS} digits of its key."
         )
         .into(),
@@ -207,8 +207,8 @@ fn row(report: &PassReport<'_>, case: &Case, met: &Met, rests: Rests, converged:
     let shown = report.quantity_shown(&met.quantity, &met.unit);
     let quantity = case.quantities.iter().find(|own| own.name == met.quantity);
     let left = quantity.and_then(|own| {
-        let hot = met.below.map(|limit| limit - quantile(own, SHARE));
-        let cold = met.above.map(|limit| quantile(own, 1.0 - SHARE) - limit);
+        let hot = met.below.map(|limit| limit - quantile(own, met.required));
+        let cold = met.above.map(|limit| quantile(own, 1.0 - met.required) - limit);
         hot.into_iter().chain(cold).reduce(f64::min)
     });
     let predicted = quantity.map(|own| {

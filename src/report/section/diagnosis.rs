@@ -82,6 +82,14 @@ pub(super) fn verdict(output: &Output) -> Text {
             None => ": nothing is missing that these data could show.",
         },
         Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
+        Verdict::Ambiguous if !output.settled().is_empty() && output.settled().len() < output.selected.len() => {
+            let settled: Vec<&str> = output.settled().iter().map(|effect| effect.id.as_str()).collect();
+            let mut text = Text::default().strong(output.verdict.word()).plain(": missing is ");
+            for (position, id) in settled.iter().enumerate() {
+                text = text.plain(if position == 0 { "" } else { ", " }).code(*id);
+            }
+            return text.plain("; what else is missing these data do not settle.");
+        }
         Verdict::Ambiguous if output.is_without_rival() => {
             ": effects explain the misfit that have no rivals, but these data do not settle that they are there."
         }

@@ -275,7 +275,7 @@ impl OneThing {
 
 /// A temperature difference, K: in hundredths, a smaller one to two digits.
 fn kelvins(value: f64) -> String {
-    if value < 0.1 { short(value, 2) } else { format!("{value:.2}") }
+    if value < 0.095 { short(value, 2) } else { format!("{value:.2}") }
 }
 
 fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {

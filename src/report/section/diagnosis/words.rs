@@ -96,5 +96,34 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         };
         return Some(("amplitude".to_owned(), format!("{}, largest {largest}", amount(&whole))));
     }
-    effect.amplitudes.iter().next().map(|(name, value)| (name.clone(), amount(value)))
+    if let (Some(power), Some(peak), Some(duration)) =
+        (effect.amplitudes.get("power"), effect.amplitudes.get("peak"), effect.amplitudes.get("duration"))
+    {
+        let when = format!(
+            "for {}\u{A0}h about {}\u{A0}h after the record's start and every 24\u{A0}h",
+            fixed(duration.value, 1),
+            fixed(peak.value, 1)
+        );
+        return Some(("power".to_owned(), format!("{}, {when}", amount(power))));
+    }
+    let date = effect.amplitudes.get("date");
+    let (name, value) = effect.amplitudes.iter().find(|(name, _)| date.is_none() || *name != "date")?;
+    // A relative change is read as a share.
+    let size = match (name.as_str(), value.unit.as_str()) {
+        ("change", "1") => {
+            let [value, sd] = [value.value, value.sd].map(|own| fixed(100.0 * own, 1));
+            format!("{value} \u{B1} {sd}\u{A0}%")
+        }
+        _ => amount(value),
+    };
+    Some((name.clone(), format!("{size}{}", date.map_or_else(String::new, since))))
+}
+
+/// From when on an effect is there: the number of a phase, or the time in a record.
+fn since(date: &Amount) -> String {
+    match date.unit.as_str() {
+        "s" => format!(", from {}\u{A0}h on", fixed(date.value / 3600.0, 2)),
+        "1" => format!(", from phase {} on", fixed(date.value.ceil(), 0)),
+        _ => format!(", from {} on", amount(date)),
+    }
 }

@@ -55,7 +55,16 @@ pub(super) fn mark(report: &PassReport<'_>, diagram: &mut Diagram, place: impl F
     }
 }
 
-/// A missing effect between two nodes or at one; others, as of a sensor or a parameter, have no place in a network.
+/// The boxes at the ends of the element on which an effect acts, or the one that it heats.
+fn ends(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) -> usize) -> Option<Vec<usize>> {
+    let [name] = effect.place.as_slice() else { return None };
+    let element = report.model.elements.iter().find(|element| element.name == *name)?;
+    let physics = element.physics();
+    let ends = physics.between().map(Vec::from).or_else(|| physics.heated().map(|node| vec![node]))?;
+    Some(ends.into_iter().map(place).collect())
+}
+
+/// A missing effect between two nodes or at one, or on an element there; others, as of a sensor or a parameter, have no place in a network.
 fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) -> usize) -> Option<Missing> {
     let nodes: Option<Vec<usize>> = (effect.place.iter())
         .map(|name| report.model.nodes.iter().position(|node| node.name == *name).map(&place))
@@ -70,7 +79,8 @@ fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize)
     let size = coupling.map_or(watts, |size| format!(", {}", amount(size)));
     let label = format!("missing: {}{size}", effect.effect.replace('-', " "));
     let path = path_of(&effect.effect);
-    match (effect.where_kind.as_str(), nodes?.as_slice()) {
+    let nodes = nodes.or_else(|| ends(report, effect, &place))?;
+    match (if nodes.len() == 2 { "nodes" } else { "node" }, nodes.as_slice()) {
         ("nodes", &[from, to]) if from != to => Some(Missing { label, path, from, to, is_node }),
         ("node", &[at]) => Some(Missing { label, path, from: at, to: at, is_node }),
         _ => None,

@@ -137,7 +137,8 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
             };
             let wrong = p(output.misfit.family_wise_p);
             if output.verdict == Verdict::Ambiguous {
-                let set_probability = chance(model.probability);
+                let least = selected.iter().map(|effect| effect.probability).fold(model.probability, f64::min);
+                let set_probability = chance(least);
                 (
                     chance(held(output)),
                     format!("Probability that it is one of the rivals; of this set {set_probability}.{factor} {wrong}"),
