@@ -179,9 +179,10 @@ impl State {
                     }
                 }
                 Err(why) => {
-                    // Of several effects it is one of many that were tried.
+                    // A set of several is one of many that were tried.
                     if let [effect] = request.effects[..] {
                         self.failed.push((effect, why.reason.clone()));
+                        self.warn(why);
                     }
                 }
             }

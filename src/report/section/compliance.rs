@@ -3,8 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::job::propagate::{Case, Met};
+use crate::job::propagate::{Case, Distributed, Met};
 use crate::job::{predict, propagate};
+use crate::math::special::normal_quantile;
 use crate::report::number::{self, NONE, Shown, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text};
 use crate::report::view::PassReport;
@@ -207,8 +208,8 @@ fn row(report: &PassReport<'_>, case: &Case, met: &Met, rests: Rests, converged:
     let shown = report.quantity_shown(&met.quantity, &met.unit);
     let quantity = case.quantities.iter().find(|own| own.name == met.quantity);
     let left = quantity.and_then(|own| {
-        let hot = met.below.map(|limit| limit - quantile(own, met.required));
-        let cold = met.above.map(|limit| quantile(own, 1.0 - met.required) - limit);
+        let hot = met.below.map(|limit| limit - between(own, met.required));
+        let cold = met.above.map(|limit| between(own, 1.0 - met.required) - limit);
         hot.into_iter().chain(cold).reduce(f64::min)
     });
     let predicted = quantity.map(|own| {
@@ -238,6 +239,18 @@ fn row(report: &PassReport<'_>, case: &Case, met: &Met, rests: Rests, converged:
         job: String::new(),
         key: String::new(),
     }
+}
+
+/// A quantile between those that a result has, along the standard normal deviate; the outermost one beyond them.
+fn between(own: &Distributed, probability: f64) -> f64 {
+    let after = own.quantiles.partition_point(|known| known.probability < probability);
+    let (Some(above), before) = (own.quantiles.get(after), after.checked_sub(1).map(|before| &own.quantiles[before]))
+    else {
+        return own.quantiles.last().map_or(f64::NAN, |last| last.value);
+    };
+    let Some(below) = before else { return above.value };
+    let [low, at, high] = [below.probability, probability, above.probability].map(normal_quantile);
+    below.value + (above.value - below.value) * (at - low) / (high - low)
 }
 
 /// What remains, with its sign.
