@@ -75,7 +75,7 @@ pub(super) fn requirements(study: &ArchivedStudy) -> Option<Section> {
         title: "Requirements and margins over the passes".into(),
         blocks: latest_first(rows, study, |rows| Table {
             caption: "What each pass says of each requirement. Predicted: median, quantiles of 1 % and 99 %. Margin: between the limit \
-                      and the 99 % quantile towards it."
+                      and the quantile towards it at the required probability."
                 .into(),
             columns: vec![
                 Column::text("Requirement"),
