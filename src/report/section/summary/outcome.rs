@@ -81,18 +81,30 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
         (Verdict::Unexplained, _) | (_, []) => {
             text.plain("something is missing, and nothing in the catalogue explains it.")
         }
-        (verdict, [first, more @ ..]) => {
-            let mut text = in_words(led_by_group(text, output, first), first);
-            for effect in more {
-                text = in_words(led_by_group(text.plain("; and "), output, effect), effect);
-            }
+        (verdict, _) => {
+            let all_settled = output.settled();
+            let (settled, open): (Vec<&EffectResult>, Vec<&EffectResult>) =
+                selected.iter().copied().partition(|effect| all_settled.iter().any(|own| own.id == effect.id));
+            let is_partly = verdict == Verdict::Ambiguous && !settled.is_empty() && !open.is_empty();
+            let each = |mut text: Text, effects: &[&EffectResult]| {
+                for (position, effect) in effects.iter().enumerate() {
+                    let text_before = if position == 0 { text } else { text.plain("; and ") };
+                    text = in_words(led_by_group(text_before, output, effect), effect);
+                }
+                text
+            };
+            let mut text = match is_partly {
+                true => each(each(text.plain("missing is "), &settled).plain("; open is "), &open),
+                false => each(text, &selected),
+            };
             let rivals: Vec<&EffectResult> = selected.iter().flat_map(|effect| more_probable(output, effect)).collect();
             let model = output.models.iter().find(|model| {
                 model.effects.len() == selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
             });
             text = match (verdict, model) {
+                (Verdict::Ambiguous, _) if is_partly => text.plain("."),
                 (Verdict::Ambiguous, _) if output.is_without_rival() => {
-                    let what = if more.is_empty() { "it is" } else { "they are" };
+                    let what = if selected.len() == 1 { "it is" } else { "they are" };
                     text.plain(format!("; these data do not settle that {what} there."))
                 }
                 (Verdict::Ambiguous, _) if !rivals.is_empty() => proposed_first(text.plain("; "), &rivals).plain("."),
