@@ -73,6 +73,25 @@ fn look_at(number: u64, trial: &Trial) {
     }
 }
 
+/// Writes to the other stream what changes at a date and is missed though data can tell it.
+fn look_at_dated(number: u64, trial: &Trial) {
+    if trial.truth.is_separable() != Some(true) || trial.grouped() {
+        return;
+    }
+    let (truth, answer) = (&trial.truth, &trial.answer);
+    let nearest = truth.rivals.iter().flatten().next();
+    let of_truth = truth.ids().iter().filter_map(|id| answer.probabilities.iter().find(|own| own.0 == *id)).next();
+    eprintln!(
+        "case {number}, missed: hidden {} of size {:?}; nearest rival {:?}; {:?}, selected {} (group {:?}), truth {of_truth:?}",
+        truth.ids().join(" + "),
+        truth.size,
+        nearest.map(|rival| (rival.effects.join(" + "), rival.delta2)),
+        answer.verdict,
+        answer.selected.join(" + "),
+        answer.groups,
+    );
+}
+
 /// Rows between the date of a change that was selected and the true one. `None` where it was not selected.
 fn rows_off(catalogue: &Arc<Catalogue>, seed: u64, number: u64, trial: &Trial) -> Option<f64> {
     let hidden = trial.truth.effects.first().filter(|hidden| trial.answer.selected.contains(&hidden.id))?;
@@ -153,6 +172,7 @@ fn main() -> ExitCode {
     if *dated_cases > 0 {
         println!("| what changes at a date | | | |");
         let trials = trials(&catalogue, *dated_cases, *seed, dated);
+        trials.iter().for_each(|(number, trial)| look_at_dated(*number, trial));
         let rows: Vec<f64> =
             trials.iter().filter_map(|(number, trial)| rows_off(&catalogue, *seed, *number, trial)).collect();
         is_met &= is_found(&by_size(&score(&only(trials))), &FOUND_DATED);

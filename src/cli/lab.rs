@@ -13,7 +13,7 @@ use crate::runner::engine::local;
 use crate::runner::{Node, Plan, Progress, Ready, RunnerError, Settings};
 use crate::study::Project;
 use crate::study::file::{self, Existing};
-use crate::twin::{Rate, Score, case, finer, folder, standard};
+use crate::twin::{Rate, Score, case, dated, finer, folder, standard};
 
 /// Arguments of `bmv lab`.
 #[derive(Debug, clap::Args)]
@@ -43,6 +43,9 @@ pub(super) struct LabVerb {
     /// Write cases whose truth is a finer network than the believed one, which is a little wrong everywhere
     #[arg(long, requires = "write")]
     finer: bool,
+    /// Write cases in which heat, a conductance or a sensor changes at a date
+    #[arg(long, requires = "write", conflicts_with = "finer")]
+    dated: bool,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -126,7 +129,11 @@ impl LabVerb {
         let mut written = Vec::new();
         for number in 0..self.cases {
             let name = format!("case-{}-{number:04}", self.seed);
-            let recipe = if self.finer { finer(number) } else { standard(number) };
+            let recipe = match (self.finer, self.dated) {
+                (true, _) => finer(number),
+                (_, true) => dated(number),
+                _ => standard(number),
+            };
             let case = match case(&catalogue, &recipe, self.seed, number) {
                 Ok(case) => case,
                 Err(error) => {
