@@ -20,7 +20,7 @@ use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{FitError, Problem, Refit};
-use crate::effect::Effect;
+use crate::effect::{Effect, Site};
 use crate::math::functions::{exp, ln};
 use crate::measurement::{Measurement, Rows, total_sd};
 
@@ -35,8 +35,8 @@ const AT_FIRST: f64 = 0.3;
 const MOST_AGAIN: usize = 20;
 /// Effects of a set beside which a model error is estimated.
 const MOST_BESIDE: usize = 2;
-/// Laws of groups that are fitted whatever their linearisation says.
-const MOST_GROUPS: usize = 32;
+/// Laws of groups and of single nodes that are fitted whatever their linearisation says.
+const MOST_PLAIN_LAWS: usize = 32;
 /// Log odds by which an effect of several inputs stands behind one of one input, for each further input.
 const FURTHER_INPUT: f64 = 1.1;
 /// Standard deviation of the logarithm of a model error about that of the best set.
@@ -180,19 +180,29 @@ impl Diagnosis {
         Ok(Some(next))
     }
 
-    /// Orders the laws of whole groups, of no input before those of one: about a fit that a strong effect has bent their
-    /// linearisation tells little.
-    pub(crate) fn order_groups(&self, state: &mut State) {
+    /// Orders the laws of whole groups, of no input before those of one, and in a small network those of single nodes: about a
+    /// fit that a strong effect has bent their linearisation tells little.
+    pub(crate) fn order_plain_laws(&self, state: &mut State) {
         let candidates = &self.problem().candidates;
         let inputs = |place: usize| candidates[place].bound.len();
-        let is_wanted = |&place: &usize| {
-            let group = &candidates[place];
-            let is_dated = self.problem().catalogue.get(&group.effect).is_some_and(Effect::depends_on_date);
-            group.is_group() && inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
+        let is_law = |&place: &usize| {
+            let is_dated = self.problem().catalogue.get(&candidates[place].effect).is_some_and(Effect::depends_on_date);
+            inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
         };
-        let mut wanted: Vec<usize> = (0..candidates.len()).filter(is_wanted).collect();
+        let mut wanted: Vec<usize> =
+            (0..candidates.len()).filter(is_law).filter(|&place| candidates[place].is_group()).collect();
         wanted.sort_by_key(|&place| inputs(place));
-        for candidate in wanted.into_iter().take(MOST_GROUPS) {
+        wanted.truncate(MOST_PLAIN_LAWS);
+        let at_node = |&place: &usize| !candidates[place].is_group() && matches!(candidates[place].site, Site::Nodes(_));
+        for count in [0, 1] {
+            let of_nodes = (0..candidates.len()).filter(is_law).filter(at_node).filter(|&place| inputs(place) == count);
+            let of_nodes: Vec<usize> = of_nodes.collect();
+            if wanted.len() + of_nodes.len() > MOST_PLAIN_LAWS {
+                break;
+            }
+            wanted.extend(of_nodes);
+        }
+        for candidate in wanted {
             state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
         }
     }

@@ -28,6 +28,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("daily-hours-load", include_str!("catalogue/daily-hours-load.json")),
     ("dated-load", include_str!("catalogue/dated-load.json")),
     ("evaporation", include_str!("catalogue/evaporation.json")),
+    ("input-dependent-load", include_str!("catalogue/input-dependent-load.json")),
     ("dissipation-temperature", include_str!("catalogue/dissipation-temperature.json")),
     ("temperature-dependent-conductance", include_str!("catalogue/temperature-dependent-conductance.json")),
     ("temperature-dependent-emittance", include_str!("catalogue/temperature-dependent-emittance.json")),

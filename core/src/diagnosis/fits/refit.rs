@@ -10,7 +10,7 @@ use crate::diagnosis::fits::other_noise::{self, Direction, directions};
 use crate::diagnosis::fits::size::is_within_model;
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
 use crate::diagnosis::odds::narrow_prior::is_prior;
-use crate::diagnosis::odds::prior_scale::{Amplitudes, WIDTHS};
+use crate::diagnosis::odds::prior_scale::{Amplitudes, IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::effect::Site;
 use crate::expression::Unit;
@@ -155,7 +155,7 @@ impl Problem {
             && effects.iter().zip(&is_far).any(|(effect, is_far)| *is_far && fitted_width(effect).is_none())
         {
             // From far the written priors lead back to nothing.
-            let far = places.iter().zip(&is_far).map(|(&place, &is_far)| if is_far { WIDTHS.len() - 1 } else { place });
+            let far = places.iter().zip(&is_far).map(|(&place, &is_far)| if is_far { IMPLAUSIBLE } else { place });
             let far: Vec<usize> = far.collect();
             if let Ok(refit_from_far) = self.refit_of_widths(effects, &far, begin, key, moments)
                 && refit_from_far.0.log_evidence > best.log_evidence
@@ -384,11 +384,11 @@ impl Refit {
         self.effects.iter().copied().zip(self.widths.iter().copied()).collect()
     }
 
-    /// Whether an effect of the set is larger than plausible: as large as the widest prior, and its heat speaks for no such size.
+    /// Whether an effect of the set is larger than plausible: a hundred times, and its heat speaks for no such size.
     pub fn is_implausible(&self, effect: usize) -> bool {
-        let widest = WIDTHS[WIDTHS.len() - 1].factor;
+        let least = WIDTHS[IMPLAUSIBLE].factor;
         let position = self.effects.iter().position(|&own| own == effect);
-        position.is_some_and(|position| self.widths[position] >= widest && !self.within_model[position])
+        position.is_some_and(|position| self.widths[position] >= least && !self.within_model[position])
     }
 
     /// Its unknowns by name, SI.

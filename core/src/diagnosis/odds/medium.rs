@@ -14,8 +14,17 @@ const NO_ROOM_K: f64 = 100.0;
 
 /// Whether an input is a pressure.
 pub(crate) fn is_pressure(input: &Input) -> bool {
+    has_dimension(input, "Pa")
+}
+
+/// Whether an input is a temperature.
+pub(crate) fn is_temperature(input: &Input) -> bool {
+    has_dimension(input, "K")
+}
+
+fn has_dimension(input: &Input, of_unit: &str) -> bool {
     let dimension = |unit: &str| Unit::parse(unit).ok().map(|unit| unit.dimension);
-    dimension(&input.unit) == dimension("Pa")
+    dimension(&input.unit) == dimension(of_unit)
 }
 
 /// Temperature above which no room is that the model does not show, K.

@@ -9,10 +9,11 @@
 use std::collections::BTreeMap;
 
 use crate::diagnosis::Problem;
-use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
+use crate::diagnosis::odds::medium::{is_pressure, is_temperature, is_vacuum};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::ln;
 use crate::measurement::{Measurement, Rows};
+use crate::thermal::Input;
 use crate::thermal::element::Element;
 
 /// Probability beforehand that a kind of effect is missing: a convention. It makes an effect of one place pay a log odds of
@@ -59,15 +60,18 @@ impl PriorOdds {
     }
 
     /// Whether a candidate's physics is out of place: it needs a gas in vacuum, or something that any input may stand for
-    /// is a pressure (heat moves through a gas between two temperatures; no pressure is a source of it).
+    /// is a pressure (heat moves through a gas between two temperatures; no pressure is a source of it), or of heat a
+    /// temperature (heat goes with the difference of two, which a path is; with one alone it is nearly constant).
     pub fn is_out_of_place(&self, problem: &Problem, candidate: usize) -> bool {
         let candidate = &problem.candidates[candidate];
         let Some(effect) = problem.catalogue.get(&candidate.effect) else { return false };
+        let is_heat = effect.form.adds.value.load.is_some() || effect.form.adds.value.curve.is_some();
+        let is_no_cause = |input: &Input| is_pressure(input) || is_heat && is_temperature(input);
         let mut bound = effect.form.inputs.iter().zip(&candidate.bound);
         self.vacuum && effect.needs_gas()
             || bound.any(|(form, bound)| {
                 form.value.unit.is_none()
-                    && matches!(bound, Bound::Input(input) if is_pressure(&problem.model.inputs[*input]))
+                    && matches!(bound, Bound::Input(input) if is_no_cause(&problem.model.inputs[*input]))
             })
     }
 

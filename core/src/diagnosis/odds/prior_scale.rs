@@ -31,8 +31,14 @@ impl Width {
 }
 
 /// The catalogue's width and wider ones, which are fitted where they pay.
-pub const WIDTHS: [Width; 3] =
-    [Width { factor: 1.0, odds: 1.0 }, Width { factor: 10.0, odds: 0.1 }, Width { factor: 100.0, odds: 0.01 }];
+pub const WIDTHS: [Width; 4] = [
+    Width { factor: 1.0, odds: 1.0 },
+    Width { factor: 10.0, odds: 0.1 },
+    Width { factor: 100.0, odds: 0.01 },
+    Width { factor: 1000.0, odds: 0.001 },
+];
+/// The first of them that is implausible, unless the effect carries no more heat than the model.
+pub const IMPLAUSIBLE: usize = 2;
 /// Narrower ones. They pay where the data see far less than the catalogue's width, so that they hardly move the fit.
 const NARROWER: [Width; 2] = [Width { factor: 0.1, odds: 0.3 }, Width { factor: 0.01, odds: 0.09 }];
 

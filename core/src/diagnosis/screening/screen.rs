@@ -14,7 +14,7 @@ use crate::diagnosis::noise::estimate;
 use crate::diagnosis::noise::restricted_likelihood::LinearFit;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::nothing_stands;
-use crate::diagnosis::odds::prior_scale::WIDTHS;
+use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::screening::detectable::detectable;
 use crate::diagnosis::screening::family::{Extras, Family, MemberKind};
 use crate::diagnosis::screening::null_maximum::Sampling;
@@ -137,7 +137,7 @@ impl Scored {
         let mut prepared = Prepared::new(linear);
         if problem.is_misspecified {
             // What a model lacks that is wrong everywhere may be far from what the catalogue takes for plausible.
-            prepared.largest *= WIDTHS[WIDTHS.len() - 1].factor;
+            prepared.largest *= WIDTHS[IMPLAUSIBLE].factor;
         }
         let mut scored = Self::new(prepared);
         let find = |scored: &mut Self, positions: &[usize]| {

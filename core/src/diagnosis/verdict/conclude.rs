@@ -14,7 +14,7 @@ use crate::diagnosis::problem::is_idle;
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::findings::{Findings, is_small_error};
 use crate::diagnosis::verdict::results::{detectable, misfit, models, noise, unseen};
-use crate::diagnosis::verdict::{few_readings, still, trend, words};
+use crate::diagnosis::verdict::{collinear, few_readings, still, trend, words};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
 use crate::math::functions::ln;
@@ -157,6 +157,7 @@ impl Diagnosis {
         let selected: Vec<String> =
             findings.in_order().into_iter().map(|effect| findings.id(effect).to_owned()).collect();
         warnings.extend(trend::warnings(&problem, &state.refits[findings.selected].effects));
+        warnings.extend(collinear::warnings(&problem, &state.refits[findings.selected].effects));
         let chosen = &state.refits[findings.selected];
         // It is about the data themselves.
         let overstated = (!state.is_misspecified())

@@ -1,9 +1,10 @@
 //! From fits to the verdict and its sentences.
 //!
-//! `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `findings`: the sets, weighed. `few_readings`, `hints`, `trend`, `still`
+//! `collinear`: inputs that move together. `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `findings`: the sets, weighed. `few_readings`, `hints`, `trend`, `still`
 //! (channels that stand still while the model moves): what to check first. `laws`: laws that describe a curve. `lumped_nodes`: errors that every
 //! network has. `nearly_as_good`: rivals within the model error. `results`: what is written out. `selection`: which set goes first. `small_effects`: what errors of the model may be. `words`: the sentences.
 
+pub mod collinear;
 pub(crate) mod conclude;
 pub mod discriminating_experiment;
 pub mod everywhere;

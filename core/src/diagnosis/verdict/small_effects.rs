@@ -5,7 +5,8 @@
 //! them is its size: it explains far more than what is left beside it, and not far less than another that is missing. Where
 //! tests go on finding something that no effect explains, or the held-out rows are predicted badly, the model is wrong in such
 //! ways, and all but the strongest effect may be. What would have to be a hundred times as large as is plausible stands for something
-//! else as likely as not, and so do surroundings that are warmer than all that the record shows around the hardware.
+//! else as likely as not, and so do surroundings that are warmer than all that the record shows around the hardware, and a curve over
+//! hardly more steady phases than it has values: what was peculiar to each phase looks the same.
 //!
 //! Where a model error is allowed for, an effect that explains `g` times the squares that it makes is one itself with the
 //! probability `1 / (1 + g / 3)`, at most a half. The errors of a model's parts differ: a few make most of what they make together, and the
@@ -18,6 +19,7 @@ use crate::diagnosis::odds::medium::is_source;
 use crate::diagnosis::problem::FittedReading;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::{Problem, Refit};
+use crate::measurement::Measurement;
 
 /// Least share that an effect explains of what the strongest one explains, in squares.
 const LEAST_SHARE: f64 = 0.2;
@@ -44,7 +46,8 @@ impl Findings<'_> {
         effects.sort_unstable();
         effects.dedup();
         let one = |effect: usize| {
-            let by_size = if self.is_implausible(effect) || self.is_source(effect) { IS_MODEL_ERROR } else { 0.0 };
+            let reads_alike = self.is_source(effect) || is_curve_of_few_phases(self.problem, effect);
+            let by_size = if self.is_implausible(effect) || reads_alike { IS_MODEL_ERROR } else { 0.0 };
             Some((effect, left.is_model_error(self.gain(effect)?).max(by_size)))
         };
         effects.into_iter().filter_map(one).filter(|(_, probability)| *probability > 0.0).collect()
@@ -56,7 +59,7 @@ impl Findings<'_> {
         Some(self.state.refits[before].chi_square - self.state.refits[after].chi_square)
     }
 
-    /// Whether an effect has to be larger than the catalogue's plausible sizes by the widest factor that is tried, in its step or
+    /// Whether an effect has to be a hundred times as large as the catalogue's plausible sizes, in its step or
     /// its best set.
     fn is_implausible(&self, effect: usize) -> bool {
         let Some((_, place)) = self.step_of(effect).or_else(|| self.best_with(effect)) else { return false };
@@ -99,6 +102,15 @@ impl Findings<'_> {
         // What it was before the effects were found is no measure of what they leave.
         self.problem.fitted_readings().into_iter().filter_map(of).sum::<f64>().min(chosen.chi_square)
     }
+}
+
+/// Whether an effect is a curve, and the fitted rows are steady phases of which there are fewer than two for each value of the curve.
+pub(crate) fn is_curve_of_few_phases(problem: &Problem, effect: usize) -> bool {
+    let catalogue_effect = problem.catalogue.get(&problem.candidates[effect].effect);
+    let Some(curve) = catalogue_effect.and_then(|own| own.form.adds.value.curve.as_ref()) else { return false };
+    let is_fitted = |measurement: &Measurement, row: usize| !measurement.held_out(row) && !measurement.ignored(row);
+    let phases = |one: &Measurement| (0..one.len()).filter(|&row| is_fitted(one, row)).count();
+    !problem.has_transients() && problem.measurements.iter().map(phases).sum::<usize>() < 2 * curve.knots.value
 }
 
 /// Temperature, K, that a fit gives the surroundings to which an effect leads; `None` where they have no temperature of their own.

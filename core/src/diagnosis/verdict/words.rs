@@ -1,14 +1,14 @@
 //! The verdict in sentences.
 
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
-use crate::diagnosis::odds::prior_scale::WIDTHS;
+use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::output::{
     Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::rises;
 use crate::diagnosis::verdict::findings::Findings;
-use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
+use crate::diagnosis::verdict::small_effects::{IS_MODEL_ERROR, is_curve_of_few_phases};
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
 use crate::document::{counted, p_stated, percent, upper};
 use crate::effect::Effect;
@@ -117,6 +117,8 @@ pub enum Likeness {
     Gradient,
     /// A source or a store of heat.
     Source,
+    /// What was peculiar to each of a few phases.
+    Phases,
     /// Nothing in particular.
     None,
 }
@@ -125,14 +127,16 @@ pub enum Likeness {
 pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
     if effect.model_error >= IS_MODEL_ERROR {
         // What is said of its size is why, where it is implausible.
-        let widest = WIDTHS[WIDTHS.len() - 1].factor;
-        let is_implausible = effect.prior_width >= widest && !effect.within_model;
+        let is_implausible = effect.prior_width >= WIDTHS[IMPLAUSIBLE].factor && !effect.within_model;
         let words = match (likeness, is_implausible) {
             (Likeness::Gradient, _) => {
                 "A gradient within the node would read the same: divide the node to see. Half of the probability is given to that."
             }
             (Likeness::Source, _) => {
                 "These surroundings are warmer than every boundary: a part that stores or makes heat would read the same. Half of the probability is given to that."
+            }
+            (Likeness::Phases, _) => {
+                "There are hardly more phases than the curve has values: what was peculiar to each phase would read the same. Half of the probability is given to that."
             }
             (Likeness::None, true) => {
                 "Errors of the model itself may be all that it stands for: half of the probability is given to them."
@@ -545,6 +549,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 match findings.problem.catalogue.get(&effect.effect).is_some_and(Effect::is_like_gradient) {
                     true => Likeness::Gradient,
                     false if place.is_some_and(|place| findings.is_source(place)) => Likeness::Source,
+                    false if place.is_some_and(|place| is_curve_of_few_phases(findings.problem, place)) => {
+                        Likeness::Phases
+                    }
                     false => Likeness::None,
                 }
             };
