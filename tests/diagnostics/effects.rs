@@ -25,7 +25,7 @@ fn an_unknown_effect() {
      --> study/pass-1.json:8:35
       |
     8 |  "adopt": {"harness": {"effect": {"conductiv-path": {"where": ["box", "panel"]}},
-      |                                   ^^^^^^^^^^^^^^^^ one of `conductive-path`, `radiative-path`, `gas-conduction`, `convection`, `path-to-ambient`, `path-to-logged-temperature`, `radiation-to-ambient`, `free-convection`, `heat-load`, `input-proportional-load`, `joule-heating`, `product-load` and 36 more
+      |                                   ^^^^^^^^^^^^^^^^ one of `conductive-path`, `radiative-path`, `gas-conduction`, `convection`, `path-to-ambient`, `path-to-logged-temperature`, `radiation-to-ambient`, `free-convection`, `heat-load`, `input-proportional-load`, `joule-heating`, `product-load` and 37 more
       |
       = note: at $.adopt.harness.effect["conductiv-path"]
       = help: did you mean `conductive-path`?
@@ -163,7 +163,7 @@ fn an_input_of_another_unit() {
      --> study/pass-1.json:8:91
       |
     8 |  "adopt": {"harness": {"effect": {"joule-heating": {"where": "box", "inputs": {"current": "T_s"}}},
-      |                                                                                           ^^^^^ an input in A or W
+      |                                                                                           ^^^^^ an input in A or V or W
       |
       = note: at $.adopt.harness.effect["joule-heating"].inputs.current
     "##);

@@ -1,11 +1,13 @@
 //! Numerics against analytic results, published values and golden numbers.
 
+mod bent_fit;
 pub mod build;
 mod comparison;
 mod dated_diagnosis;
 mod derivatives;
 mod design;
 mod disctr;
+mod driven_loads;
 mod effects;
 mod elements;
 mod first_suspects;

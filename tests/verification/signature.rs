@@ -208,8 +208,12 @@ fn amplitude_positions(problem: &Problem, candidate: &Candidate) -> (Vec<usize>,
     (shapes, values, parameters.iter().map(|p| p.plausible).collect())
 }
 
-/// Compares a direction with differences, which are one-sided and of second order: what is positive stays so.
-fn check(problem: &Problem, own: &Own, direction: &Direction, step: f64, tolerance: f64) {
+/// Largest error, as a share of the largest slope, of a row within a change at a date.
+const AT_A_DATE: f64 = 0.1;
+
+/// Compares a direction with differences, which are one-sided and of second order: what is positive stays so. So many readings may lie
+/// within a change at a date.
+fn check(problem: &Problem, own: &Own, direction: &Direction, step: f64, tolerance: f64, at_a_date: usize) {
     let candidate = &problem.candidates[direction.candidate];
     let (shapes, mut values, plausible) = amplitude_positions(problem, candidate);
     for (&position, value) in shapes.iter().zip(&direction.shape) {
@@ -233,10 +237,14 @@ fn check(problem: &Problem, own: &Own, direction: &Direction, step: f64, toleran
         let column = direction.column(amplitude);
         assert!(column[rows..].iter().all(|value| *value == 0.0), "{}: rows of priors", candidate.id);
         let largest = column.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let mut near = 0;
         for row in 0..rows {
             let difference = -(4.0 * one[row] - two[row] - 3.0 * none[row]) / (2.0 * h);
+            let error = (difference - column[row]).abs();
+            let is_near = error > tolerance * largest + 1e-7 / h && error <= AT_A_DATE * largest && near < at_a_date;
+            near += usize::from(is_near);
             assert!(
-                (difference - column[row]).abs() <= tolerance * largest + 1e-7 / h,
+                is_near || error <= tolerance * largest + 1e-7 / h,
                 "{} {position} at {:?}, row {row}: {} against {difference} (largest {largest})",
                 candidate.id,
                 direction.shape,
@@ -275,7 +283,7 @@ fn steady_directions_are_the_slopes_of_each_effects_likelihood() {
         if last.as_ref().is_none_or(|(candidate, _)| *candidate != direction.candidate) {
             last = Some((direction.candidate, Own::new(&problem, direction.candidate, &likelihood, &at)));
         }
-        check(&problem, &last.as_ref().unwrap().1, direction, 1e-4, 1e-3);
+        check(&problem, &last.as_ref().unwrap().1, direction, 1e-4, 1e-3, 0);
         smooth += 1;
     }
     assert!(smooth > 200, "{smooth}");
@@ -329,10 +337,11 @@ fn transient_directions_are_the_slopes_of_each_effects_likelihood() {
     let mut smooth = 0;
     for direction in found.iter().filter(|direction| !direction.parameters.is_empty()) {
         let own = Own::new(&problem, direction.candidate, &likelihood, &at);
-        // The steps of the baseline model know nothing of a change within 0.4 % of the record: rows there are nearly right.
+        // The steps of the baseline model know nothing of a change within 0.4 % of the record: the three sensors' readings there, and next to
+        // it, are nearly right.
         let is_dated =
             ["dated-load", "dated-conductance"].contains(&problem.candidates[direction.candidate].effect.as_str());
-        check(&problem, &own, direction, 0.03, if is_dated { 0.04 } else { 0.02 });
+        check(&problem, &own, direction, 0.03, 0.02, if is_dated { 6 } else { 0 });
         smooth += 1;
     }
     assert!(smooth > 40, "{smooth}");
@@ -491,7 +500,7 @@ fn directions_over_long_records_are_near_the_slopes_of_each_effects_likelihood()
     for direction in smooth.iter().step_by(3) {
         let own = Own::new(&problem, direction.candidate, &likelihood, &at);
         if let Site::Sensors(_) = problem.candidates[direction.candidate].site {
-            check(&problem, &own, direction, 1e-3, 1e-2);
+            check(&problem, &own, direction, 1e-3, 1e-2, 0);
             on_sensors += 1;
             continue;
         }

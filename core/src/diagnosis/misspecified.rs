@@ -193,7 +193,8 @@ impl Diagnosis {
             (0..candidates.len()).filter(is_law).filter(|&place| candidates[place].is_group()).collect();
         wanted.sort_by_key(|&place| inputs(place));
         wanted.truncate(MOST_PLAIN_LAWS);
-        let at_node = |&place: &usize| !candidates[place].is_group() && matches!(candidates[place].site, Site::Nodes(_));
+        let at_node =
+            |&place: &usize| !candidates[place].is_group() && matches!(candidates[place].site, Site::Nodes(_));
         for count in [0, 1] {
             let of_nodes = (0..candidates.len()).filter(is_law).filter(at_node).filter(|&place| inputs(place) == count);
             let of_nodes: Vec<usize> = of_nodes.collect();

@@ -105,7 +105,7 @@ impl Findings<'_> {
 }
 
 /// Whether an effect is a curve, and the fitted rows are steady phases of which there are fewer than two for each value of the curve.
-pub(crate) fn is_curve_of_few_phases(problem: &Problem, effect: usize) -> bool {
+pub fn is_curve_of_few_phases(problem: &Problem, effect: usize) -> bool {
     let catalogue_effect = problem.catalogue.get(&problem.candidates[effect].effect);
     let Some(curve) = catalogue_effect.and_then(|own| own.form.adds.value.curve.as_ref()) else { return false };
     let is_fitted = |measurement: &Measurement, row: usize| !measurement.held_out(row) && !measurement.ignored(row);

@@ -96,6 +96,26 @@ fn a_low_pressure_tells_of_vacuum_and_is_no_source_of_heat() {
     assert!((before - of_it(&problem) - 3.0).abs() < 1e-12 && before > ln(1e-6));
 }
 
+/// Heat goes with the difference of two temperatures; a conductance may well go with one.
+#[test]
+fn a_temperature_is_no_cause_of_heat() {
+    let mut problem = warm();
+    let heater = problem.model.inputs.iter().position(|input| input.unit == "W").unwrap();
+    let odds = |problem: &Problem, effect: &str| {
+        let own = |own: &bmv::effect::Candidate| own.effect == effect && own.bound == [Bound::Input(heater)];
+        PriorOdds::new(problem).of(problem, &[problem.candidates.iter().position(own).unwrap()])
+    };
+    let effects = ["input-proportional-load", "input-function-load", "input-dependent-conductance"];
+    let before = effects.map(|effect| odds(&problem, effect));
+    let mut model = (*problem.model).clone();
+    model.inputs[heater].unit = "degC".to_owned();
+    problem.model = Arc::new(model);
+    let behind: Vec<f64> = effects.iter().zip(before).map(|(effect, before)| before - odds(&problem, effect)).collect();
+    for (own, expected) in behind.iter().zip([3.0, 3.0, 0.0]) {
+        assert!((own - expected).abs() < 1e-12, "{behind:?}");
+    }
+}
+
 #[test]
 fn surroundings_that_are_warmer_than_all_else_stand_for_a_source() {
     let room = warm();

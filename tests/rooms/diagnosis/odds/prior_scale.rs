@@ -36,9 +36,31 @@ fn the_gain_is_the_ratio_of_normal_densities() {
 
 #[test]
 fn a_large_fault_of_a_sensor_is_less_probable_than_a_large_effect_on_hardware() {
-    let [written, _, widest] = WIDTHS;
+    let (written, implausible) = (WIDTHS[0], WIDTHS[IMPLAUSIBLE]);
     assert_eq!([written.log_odds(true), written.log_odds(false)], [0.0; 2]);
-    assert!((widest.log_odds(true) - ln(1e-4)).abs() < 1e-12 && (widest.log_odds(false) - ln(0.01)).abs() < 1e-12);
+    let [of_sensors, of_hardware] = [implausible.log_odds(true), implausible.log_odds(false)];
+    assert!((of_sensors - ln(1e-4)).abs() < 1e-12 && (of_hardware - ln(0.01)).abs() < 1e-12);
+}
+
+/// A load of 350 W that is known within 20 W, where the catalogue's scale is 1 W: a hundred times that is still too narrow.
+#[test]
+fn a_prior_widens_until_it_holds_what_is_found() {
+    // The posterior of normal data and a normal prior, in the prior's standard deviations.
+    let at = |scale: f64| {
+        let (data, prior) = (20.0 * 20.0, scale * scale);
+        let (mean, variance) = (350.0 * prior / (prior + data), data * prior / (prior + data));
+        Amplitudes { effects: vec![0], away: vec![mean / scale], factor: Some(vec![variance.sqrt() / scale]) }
+    };
+    let mut place = 0;
+    loop {
+        let next = at(WIDTHS[place].factor).wider(&[place], 0.0)[0];
+        if next == place {
+            break;
+        }
+        place = next;
+    }
+    assert_eq!(WIDTHS[place].factor, 1000.0);
+    assert_eq!(at(1.0).wider(&[WIDTHS.len() - 1], 0.0), [WIDTHS.len() - 1], "there is none beyond the widest");
 }
 
 #[test]

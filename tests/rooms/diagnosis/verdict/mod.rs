@@ -1,3 +1,4 @@
+mod collinear;
 mod discriminating_experiment;
 mod everywhere;
 mod few_readings;

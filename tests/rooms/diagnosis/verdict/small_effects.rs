@@ -1,6 +1,12 @@
 //! Tests of `core/src/diagnosis/verdict/small_effects.rs`.
 
-use bmv::diagnosis::verdict::small_effects::Left;
+use std::sync::Arc;
+
+use bmv::diagnosis::verdict::small_effects::{Left, is_curve_of_few_phases};
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::measurement::Rows;
+use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
 #[test]
 fn an_effect_may_be_model_error_beside_a_stronger_one_or_beside_what_is_left() {
@@ -27,4 +33,29 @@ fn where_a_model_error_is_allowed_for_the_probability_falls_with_what_the_effect
     assert!((left.is_model_error(120.0) - 0.5).abs() < 1e-12);
     let none = Left { squares: 0.0, ..left };
     assert!(none.is_model_error(900.0) < 1e-12);
+}
+
+/// Curves of five values: ten phases are two for each.
+#[test]
+fn a_curve_of_few_phases_is_one_of_fewer_than_two_for_each_value() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let request = InjectionRequest { effects: 0, size: None, ..InjectionRequest::default() };
+    let drawn = |test| case(&catalogue, &Recipe::of(Topology::Star, test, request.clone()), 1, 0).unwrap().problem;
+    let mut problem = drawn(TestKind::Steady);
+    let find = |effect: &str| problem.candidates.iter().position(|own| own.effect == effect).unwrap();
+    let (curve, law) = (find("input-function-load"), find("input-proportional-load"));
+    let measurement = &mut problem.measurements[0];
+    let readings = measurement.readings.len() / measurement.len();
+    let Rows::Steady(phases) = &mut measurement.rows else { panic!("steady phases") };
+    let mut phase = phases[0].clone();
+    phase.held_out = false;
+    *phases = vec![phase; 10];
+    measurement.readings = vec![Some(300.0); 10 * readings];
+    assert!(!is_curve_of_few_phases(&problem, curve));
+    let Rows::Steady(phases) = &mut problem.measurements[0].rows else { panic!("steady phases") };
+    phases[3].held_out = true;
+    assert!(is_curve_of_few_phases(&problem, curve) && !is_curve_of_few_phases(&problem, law));
+    let problem = drawn(TestKind::Steps);
+    let curve = problem.candidates.iter().position(|own| own.effect == "input-function-load").unwrap();
+    assert!(!is_curve_of_few_phases(&problem, curve), "a transient has many rows");
 }
