@@ -13,7 +13,7 @@ use crate::diagnosis::fits::{held_out, other_noise};
 use crate::diagnosis::heat;
 use crate::diagnosis::noise::estimate::EstimatedNoise;
 use crate::diagnosis::noise::model_error::{
-    Errors, ModelError, STEADY_READINGS_OF_ONE, quiet_scatter, readings_of_one,
+    Errors, ModelError, STEADY_READINGS_OF_ONE, most_likely, quiet_scatter, readings_of_one,
 };
 use crate::diagnosis::odds::posterior_odds::{best, posterior_odds};
 use crate::diagnosis::odds::prior_odds::PriorOdds;
@@ -82,21 +82,34 @@ fn rms(errors: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::from(count.max(1))).sqrt()
 }
 
+/// Positions of the measurements that have one model error: all transients, and all steady phases.
+fn alike(problem: &Problem) -> impl Iterator<Item = Vec<usize>> {
+    let is_steady = |place: &usize| matches!(problem.measurements[*place].rows, Rows::Steady(_));
+    let (steady, transient): (Vec<usize>, Vec<usize>) = (0..problem.measurements.len()).partition(is_steady);
+    [steady, transient].into_iter().filter(|alike| !alike.is_empty())
+}
+
 /// A set with the most likely model errors: its evidence has the likelihood exchanged, and the prior density and the volume
 /// that the parameters have with it.
 fn beside(problem: &Problem, readings: &[FittedReading], refit: &Refit, instruments: &[Errors]) -> Beside {
-    let (mut log, mut sds, mut widening, mut count) = (0.0, Vec::new(), 0.0, 0.0);
-    for (measurement, measurement_errors) in instruments.iter().enumerate() {
-        let mine: Vec<usize> = (0..readings.len()).filter(|&k| readings[k].measurement == measurement).collect();
-        let errors = Errors { errors: mine.iter().map(|&k| refit.errors[k]).collect(), ..measurement_errors.clone() };
-        let (sd, value) = errors.most_likely(1.0);
+    let of = |measurement: usize| (0..readings.len()).filter(move |&k| readings[k].measurement == measurement);
+    let errors = |&measurement: &usize| Errors {
+        errors: of(measurement).map(|k| refit.errors[k]).collect(),
+        ..instruments[measurement].clone()
+    };
+    let (mut log, mut sds, mut widening, mut count) = (0.0, vec![0.0; instruments.len()], 0.0, 0.0);
+    for alike in alike(problem) {
+        let (sd, value) = most_likely(&alike.iter().map(errors).collect::<Vec<_>>(), 1.0);
         log += value;
-        for (&k, noise) in mine.iter().zip(&measurement_errors.noise) {
-            let before = problem.measurements[measurement].sensors[readings[k].sensor].total_sd();
-            widening += ln((noise * noise + sd * sd) * measurement_errors.readings_of_one / (before * before));
-            count += 1.0;
+        for measurement in alike {
+            sds[measurement] = sd;
+            for (k, noise) in of(measurement).zip(&instruments[measurement].noise) {
+                let before = problem.measurements[measurement].sensors[readings[k].sensor].total_sd();
+                let variance = (noise * noise + sd * sd) * instruments[measurement].readings_of_one;
+                widening += ln(variance / (before * before));
+                count += 1.0;
+            }
         }
-        sds.push(sd);
     }
     let times = exp(widening / f64::max(count, 1.0));
     log += refit.log_evidence - refit.log_likelihood + other_noise::gain(&refit.directions, times);
@@ -112,7 +125,7 @@ struct Beside {
     log_evidence: f64,
     /// Log posterior weight of the set with them; of [`beside`] the log evidence alone.
     log_weight: f64,
-    /// Standard deviations of the model error, SI, by measurement.
+    /// Standard deviations of the model error, SI, by measurement; one for those that are alike.
     sds: Vec<f64>,
     /// Parameters that the data determine with them.
     determined: f64,
@@ -226,7 +239,7 @@ impl Diagnosis {
         let Some((first, instruments)) = self.reference(state) else { return (evidences, logs) };
         for one in self.beside_sets(state, &instruments) {
             let inputs = |&effect: &usize| self.problem().candidates[effect].bound.len().saturating_sub(1) as f64;
-            let owed: f64 = one.sds.iter().zip(&first.sds).map(|(sd, first)| owes_more(*sd, *first)).sum();
+            let owed: f64 = alike(self.problem()).map(|alike| owes_more(one.sds[alike[0]], first.sds[alike[0]])).sum();
             let more: f64 = state.refits[one.place].effects.iter().map(inputs).sum();
             evidences[one.place] = one.log_evidence - owed;
             logs[one.place] = one.log_weight - FURTHER_INPUT * more - owed;
@@ -243,7 +256,12 @@ impl Diagnosis {
         }
         let refit = &state.refits[first.place];
         let freedom = self.freedom(&first, &instruments);
-        let sds: Vec<f64> = instruments.iter().map(|errors| errors.most_likely(freedom).0).collect();
+        let mut sds = vec![0.0; instruments.len()];
+        for alike in alike(self.problem()) {
+            let errors: Vec<Errors> = alike.iter().map(|&measurement| instruments[measurement].clone()).collect();
+            let (sd, _) = most_likely(&errors, freedom);
+            alike.into_iter().for_each(|measurement| sds[measurement] = sd);
+        }
         let noise = self.sensors_with(state, refit, &sds, &instruments);
         let size = |one: &SensorNoise| one.weighed().total();
         let is_other = |one: &SensorNoise| {
@@ -335,7 +353,7 @@ impl Diagnosis {
             errors.readings_of_one = match measured.rows {
                 Rows::Transient { .. } => readings_of_one(&of_sensors),
                 Rows::Steady(_) => {
-                    let error = errors.most_likely(1.0).0;
+                    let error = most_likely(std::slice::from_ref(&errors), 1.0).0;
                     let noise = rms(errors.noise.iter().copied());
                     let (error, noise) = (error * error, noise * noise);
                     (noise + STEADY_READINGS_OF_ONE * error) / (noise + error)

@@ -1,7 +1,8 @@
 //! Model error: what a model that is a little wrong everywhere owes beside every set of effects.
 //!
-//! A model error of standard deviation `s` adds `s^2` to the variance of every reading of a measurement. It is estimated
-//! beside sets that were fitted: for each, the most likely size and the log likelihood with it, so that a plain set with a
+//! A model error of standard deviation `s` adds `s^2` to the variance of every reading. It is the model's, not a run's: all
+//! transients have one, and all steady phases. Otherwise runs that move little, in which any model errs little, would outvote the
+//! others. It is estimated beside sets that were fitted: for each, the most likely size and the log likelihood with it, so that a plain set with a
 //! larger model error stands against a larger set with a smaller one.
 //!
 //! A model's errors are no noise: in a transient they change slowly, in steady phases they follow the inputs and are alike
@@ -55,21 +56,23 @@ impl Errors {
         };
         self.errors.iter().zip(&self.noise).map(one).sum::<f64>() / self.readings_of_one
     }
+}
 
-    /// The most likely size of the model error, and the log likelihood with it.
-    pub fn most_likely(&self, freedom: f64) -> (f64, f64) {
-        let square: f64 = self.errors.iter().map(|error| error * error).sum();
-        let rms = (square / (freedom * self.errors.len().max(1) as f64)).sqrt();
-        let ratio = ln(LARGEST / SMALLEST) / (SIZES - 1) as f64;
-        let mut best = (0.0, self.log_likelihood(0.0, freedom));
-        for sd in (0..SIZES).map(|k| rms * SMALLEST * exp(ratio * k as f64)).filter(|sd| *sd > 0.0) {
-            let value = self.log_likelihood(sd, freedom);
-            if value > best.1 {
-                best = (sd, value);
-            }
+/// The most likely size of a model error that several measurements have in common, and the log likelihood with it.
+pub fn most_likely(measurements: &[Errors], freedom: f64) -> (f64, f64) {
+    let all = || measurements.iter().flat_map(|one| &one.errors);
+    let square: f64 = all().map(|error| error * error).sum();
+    let rms = (square / (freedom * all().count().max(1) as f64)).sqrt();
+    let log_likelihood = |sd: f64| -> f64 { measurements.iter().map(|one| one.log_likelihood(sd, freedom)).sum() };
+    let ratio = ln(LARGEST / SMALLEST) / (SIZES - 1) as f64;
+    let mut best = (0.0, log_likelihood(0.0));
+    for sd in (0..SIZES).map(|k| rms * SMALLEST * exp(ratio * k as f64)).filter(|sd| *sd > 0.0) {
+        let value = log_likelihood(sd);
+        if value > best.1 {
+            best = (sd, value);
         }
-        best
     }
+    best
 }
 
 /// Readings of series with equal steps that are worth an independent one, of all series together: the larger of the

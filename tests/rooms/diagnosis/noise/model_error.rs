@@ -24,15 +24,34 @@ fn the_size_beside_known_noise_is_found() {
     // 0.3 K of noise and 0.4 K of model error are 0.5 K together.
     let errors: Vec<f64> = draws(count, 1).iter().map(|draw| 0.5 * draw).collect();
     let measurement_errors = Errors { errors, noise: vec![0.3; count], readings_of_one: 1.0 };
-    let (sd, value) = measurement_errors.most_likely(1.0);
+    let alone = |errors: &Errors| most_likely(std::slice::from_ref(errors), 1.0);
+    let (sd, value) = alone(&measurement_errors);
     // 0.5 K is known to 0.5 / sqrt(4000) = 0.008 K, the size to 0.008 * 0.5 / 0.4; 3.5 of them, and half a step of 8 %.
     assert!((sd - 0.4).abs() < 0.035 + 0.017, "{sd}");
     assert!(value > measurement_errors.log_likelihood(0.0, 1.0));
     let white =
         Errors { errors: draws(count, 2).iter().map(|draw| 0.3 * draw).collect(), ..measurement_errors.clone() };
-    assert!(white.most_likely(1.0).0 < 0.1, "noise alone leaves no model error");
+    assert!(alone(&white).0 < 0.1, "noise alone leaves no model error");
     let few = Errors { readings_of_one: 10.0, ..measurement_errors };
-    assert!((few.most_likely(1.0).1 - value / 10.0).abs() < 1e-9, "dependent readings tell less of the same");
+    assert!((alone(&few).1 - value / 10.0).abs() < 1e-9, "dependent readings tell less of the same");
+}
+
+/// A run that moves little has small errors; one size beside both lies between, and half of the readings count half.
+#[test]
+fn runs_of_one_model_have_one_size() {
+    let run = |size: f64, seed: u64, readings_of_one: f64| Errors {
+        errors: draws(4000, seed).iter().map(|draw| size * draw).collect(),
+        noise: vec![0.01; 4000],
+        readings_of_one,
+    };
+    // The mean square of 0.2 and 1 is 0.52.
+    let (sd, value) = most_likely(&[run(0.2, 11, 1.0), run(1.0, 12, 1.0)], 1.0);
+    assert!((sd - 0.52_f64.sqrt()).abs() < 0.05, "{sd}");
+    let apart: f64 = [run(0.2, 11, 1.0), run(1.0, 12, 1.0)].map(|one| most_likely(&[one], 1.0).1).iter().sum();
+    assert!(value < apart, "sizes of their own fit better");
+    // Of the second one reading in four counts: (0.04 + 0.25) / 1.25 is 0.232.
+    let (sd, _) = most_likely(&[run(0.2, 11, 1.0), run(1.0, 12, 4.0)], 1.0);
+    assert!((sd - 0.232_f64.sqrt()).abs() < 0.05, "{sd}");
 }
 
 #[test]
