@@ -364,7 +364,7 @@ fn only_a_phase_that_is_worth_a_test_is_the_next_step() {
     let next = |change: &dyn Fn(&mut Output)| {
         let mut sample = diagnosed("ambiguous");
         assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| change(output)));
-        let summary = rendered(&sample).markdown.replace('\u{A0}', " ");
+        let summary = rendered(&sample).markdown.replace('\u{A0}', " ").replace('\\', "");
         summary.lines().find(|line| line.starts_with("> **Next.**")).expect("a next step").to_owned()
     };
     let phase = |probability: f64, near_tested: bool| {

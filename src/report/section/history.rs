@@ -22,10 +22,13 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 pub fn section(history: &History) -> Option<Section> {
     let measured = history.measured();
     let first = *measured.first()?;
-    let mut blocks = vec![Block::paragraph(
-        "Root mean square of measured minus predicted over all sensors in kelvin. As delivered: nominal parameters; tuned: the \
-         most probable parameters of the pass's calibration, which saw the readings for fitting alone.",
-    )];
+    let mut words = "Root mean square of measured minus predicted over all sensors in kelvin. As delivered: nominal parameters; tuned: the \
+                     most probable parameters of the pass's calibration, which saw the readings for fitting alone."
+        .to_owned();
+    if measured.iter().any(|pass| pass.is_tuned_by_diagnosis) {
+        words.push_str(" A pass without a calibration is tuned by its diagnosis.");
+    }
+    let mut blocks = vec![Block::paragraph(words)];
     blocks.push(Block::List(measured.iter().map(|pass| in_words(history, pass)).collect()));
     blocks.push(Block::Table(table(&measured)));
     let missing: Vec<Text> = history.passes.iter().flat_map(missing_jobs).collect();

@@ -106,7 +106,7 @@ fn statements(report: &PassReport<'_>, has_no_effect: bool) -> (Vec<Statement>, 
     }
     for (position, (name, output)) in report.outputs::<diagnose::Kind>().enumerate() {
         if position == 0 {
-            statements.extend(missing::of_diagnosis(output, &report.model));
+            statements.extend(missing::of_diagnosis(output, report.model));
         } else {
             statements.push(missing::of_further(name, output));
         }

@@ -282,7 +282,16 @@ impl OnlyInTransients {
         format!("{}.", upper(&self.clause(model)))
     }
 
-    /// The same, to follow a semicolon.
+    /// The same in short.
+    pub fn in_brief(&self, model: &Model) -> String {
+        let none = "No steady phase can tell what stores heat apart";
+        let Some(step) = &self.step else { return format!("{none}.") };
+        let (what, time, probability) = (step.in_words(model), time(step.duration_s), percent(step.probability));
+        let guess = if is_worth_a_test(step.probability) { "" } else { ", guessing with 50 %" };
+        format!("{none}; {what}, watched for {time}, would with probability {probability}{guess}.")
+    }
+
+    /// The same at length, to follow a semicolon.
     pub fn clause(&self, model: &Model) -> String {
         let none = format!(
             "no steady phase can tell {} apart: they differ in what stores heat, which shows while temperatures change",

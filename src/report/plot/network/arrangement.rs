@@ -343,13 +343,22 @@ fn hanging(room: &Room, (centre, shape): Boxed, label: (f64, f64)) -> Option<(Se
     })
 }
 
-/// A place for a name on a straight line, from its middle outwards, where it hides no other line.
+/// A place for a name on a straight line, from its middle outwards, where it hides no other line; else close beside it.
 fn on_line(room: &Room, line: &Segment, size: (f64, f64)) -> Option<(f64, f64)> {
     let (from, to) = *line;
     let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
     let hides = |at: (f64, f64)| room.lines.iter().any(|other| other != line && crosses(other, &(at, size)));
     let places = [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74].map(at);
-    places.into_iter().find(|&at| room.is_free(&(at, size)) && !hides(at))
+    let on = places.into_iter().find(|&at| room.is_free(&(at, size)) && !hides(at));
+    on.or_else(|| {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = (dx * dx + dy * dy).sqrt().max(1e-9);
+        let normal = (-dy / length, dx / length);
+        let off = 0.5 * (normal.0.abs() * size.0 + normal.1.abs() * size.1) + 10.0;
+        let beside =
+            places.into_iter().flat_map(|at| [off, -off].map(|by| (at.0 + by * normal.0, at.1 + by * normal.1)));
+        beside.into_iter().find(|&at| room.is_free(&(at, size)) && room.is_off_lines(&(at, size)))
+    })
 }
 
 /// A place for a name on a line or beside it, from its middle outwards.

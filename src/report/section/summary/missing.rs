@@ -274,7 +274,7 @@ fn what_else(output: &Output, selected: &[&EffectResult], model: &Model) -> Opti
         text = text.plain(" ").plain(one.in_words());
     }
     if let Some(own) = &output.only_in_transients {
-        text = text.plain(" ").plain(own.in_words(model));
+        text = text.plain(" ").plain(own.in_brief(model).replace(" degC", "\u{A0}\u{B0}C"));
     }
     let value = counted(rivals.len(), "rival");
     Some(Statement { label, value, text, status: Some(Status::Caution) })

@@ -321,7 +321,9 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
             }
             Verdict::Ambiguous if stepped(output).is_some() => {
                 let (rivals, step) = stepped(output)?;
-                let text = Text::new("Measure ").plain(step.in_words(&report.model)).plain(" for ");
+                let text = Text::new("Measure ")
+                    .plain(step.in_words(report.model).replace(" degC", "\u{A0}\u{B0}C"))
+                    .plain(" for ");
                 let text = text.plain(format!("{}: it tells ", time(step.duration_s)));
                 return Some(apart(text, rivals).plain(format!(" with probability {}.", chance(step.probability))));
             }
