@@ -15,6 +15,8 @@ const NAME: f64 = 330.0;
 /// Lines of a name in the picture, and of one below it.
 const MOST_LINES: usize = 3;
 const MOST_LISTED: usize = 5;
+/// Names below the picture from which on none of what the model has is added; half of that below a narrow one.
+const MOST_OWN: usize = 8;
 
 /// A name in the picture, or the number under which it stands below.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,12 +117,17 @@ impl Name {
         let whole = if self.lines.len() <= most { search(room, size) } else { None };
         let (found, lines, size) = match whole {
             Some(found) => (found, self.lines.clone(), size),
-            // What the model has stands in the table too: without room for a number it is not listed.
-            None if !self.is_bold && search(room, text_size(&["00".to_owned()], SMALL)).is_none() => return None,
             None => {
-                let number = vec![out.list(&self.text, self.colour)];
+                let number = vec![(out.listed.len() + 1).to_string()];
                 let size = text_size(&number, SMALL);
-                (search(room, size)?, number, size)
+                let is_full = out.listed.len() >= if out.frame.0 > f64::from(NARROW) { MOST_OWN } else { MOST_OWN / 2 };
+                let found = if !self.is_bold && is_full { None } else { search(room, size) };
+                if found.is_none() && !self.is_bold {
+                    // What the model has stands in the table too.
+                    return None;
+                }
+                out.list(&self.text, self.colour);
+                (found?, number, size)
             }
         };
         let area = (found.1, size);
