@@ -1,6 +1,6 @@
 //! The experiment that parts rivals: a steady phase, within the stated ranges of the inputs that can be set, in which the
 //! rivals' predictions lie furthest apart once each has been fitted to the old data and the new. Rivals that differ in what
-//! stores heat alone are parted by no such phase, but by a step: see [`super::discriminating_step`].
+//! stores heat alone are parted by no such phase, but by a step: see `discriminating_step`.
 //!
 //! With the whitened difference `m` of two rivals' predictions, `F` the derivatives of the second's and `C` the covariance
 //! of its parameters after the old data: `delta^2 = m' (I + F C F')^-1 m`, and the better one is recognised with probability
