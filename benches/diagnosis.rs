@@ -139,6 +139,7 @@ fn panel() -> Problem {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };

@@ -259,7 +259,7 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("report/archive/record.rs", &["predict"], "what flies is what a prediction takes"),
     ("report/section/calibration.rs", &["compare"], "what tuning achieved is measured by a comparison"),
     ("report/view.rs", &["compare"], "whether rows of a comparison are steady phases"),
-    ("report/history.rs", &["calibrate", "compare"], "these two tell the error of a pass"),
+    ("report/history.rs", &["calibrate", "compare", "diagnose"], "these tell the error of a pass"),
     ("cli/compare.rs", &["compare"], "the verb for this kind"),
     ("cli/diagnose.rs", &["diagnose"], "the verb for this kind"),
     ("cli/adopt.rs", &["diagnose"], "adopts what a diagnosis found"),

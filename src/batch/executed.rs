@@ -36,7 +36,7 @@ impl Executed {
 
 /// Whether a job is one of those by which its pass is judged.
 pub fn is_judge(pass: &Pass, name: &str) -> bool {
-    judged_by(pass).is_some_and(|judge| judge.comparison == name || judge.calibration == Some(name))
+    judged_by(pass).is_some_and(|judge| judge.comparison == name || judge.calibration.or(judge.diagnosis) == Some(name))
 }
 
 /// A sampler's result says whether it converged; other results do not speak of it.

@@ -30,6 +30,7 @@ pub fn history(passes: &[&LoadedPass], executed: &Executed) -> Result<History, B
         };
         let (comparison, calibration) = judge.map_or((None, None), |judge| (Some(judge.comparison), judge.calibration));
         let outputs = (output(comparison)?, output(calibration)?);
+        let diagnosis = output(judge.and_then(|judge| judge.diagnosis))?;
         let parent = pass.pass.parents.first();
         let parent = passes.iter().find(|other| Some(&other.file) == parent).map(|other| other.pass.as_ref());
         history.passes.push(PassErrors::new(
@@ -37,6 +38,7 @@ pub fn history(passes: &[&LoadedPass], executed: &Executed) -> Result<History, B
             parent,
             comparison.zip(outputs.0.as_ref().and_then(|output| output.as_any().downcast_ref())),
             calibration.zip(outputs.1.as_ref().and_then(|output| output.as_any().downcast_ref())),
+            diagnosis.as_ref().and_then(|output| output.as_any().downcast_ref()),
         ));
     }
     Ok(history)

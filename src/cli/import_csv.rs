@@ -30,7 +30,7 @@ const MOST_DIAGNOSTICS: usize = 20;
                   Examples:\n  \
                   bmv import csv log-1.csv log-2.csv --into my-study\n  \
                   bmv import csv log.csv --into my-study --channels channels.csv\n\n\
-                  channels.csv has a line a channel, of which `unit` and `measures` may be left out:\n  \
+                  channels.csv has a line for each channel that is not named like a node, a quantity or an input; `unit` and `measures` may be left out:\n  \
                   channel,name,unit,measures\n  \
                   Kanal 1,TC1,degC,box"
 )]
@@ -102,10 +102,13 @@ impl Csv {
         let pass =
             before.as_ref().map(|pass| crate::study::load(&crate::job::kinds(), pass)).transpose().map_err(wrong)?;
         let known = pass.as_ref().map_or_else(Known::default, |pass| {
-            let nodes = pass.model.nodes.iter().map(|node| node.name.clone());
-            let quantities = pass.model.quantities.iter().map(|quantity| quantity.name.clone());
+            let mut measured: Vec<String> = pass.model.nodes.iter().map(|node| node.name.clone()).collect();
+            // What is required of a node is a quantity of its name.
+            let others = pass.model.quantities.iter().map(|quantity| &quantity.name);
+            let others: Vec<String> = others.filter(|name| !measured.contains(name)).cloned().collect();
+            measured.extend(others);
             Known {
-                measured: nodes.chain(quantities).collect(),
+                measured,
                 inputs: pass.model.inputs.iter().map(|input| input.name.clone()).collect(),
                 units: pass.model.inputs.iter().map(|input| input.unit.clone()).collect(),
                 boundaries: boundaries(&pass.model),
@@ -136,7 +139,14 @@ impl Csv {
         if let Some(before) = before.as_deref().filter(|_| !proposal.sensors.is_empty()) {
             let (next, became) = self.next_pass(before, &proposal.measurement)?;
             let command = format!("bmv compare {}", escaped(&shell_word(&next.display().to_string())));
-            said.push_str(&format!("{became} {}; now look through it, then try\n{command}\n", shown(&next)));
+            // Where channels are still to be mapped, that goes first: one next step.
+            said.push_str(&match &template {
+                None => format!("{became} {}; now look through it, then try\n{command}\n", shown(&next)),
+                Some(_) => format!(
+                    "{became} {}, without the channels that are named like nothing of the model\n",
+                    shown(&next)
+                ),
+            });
             // Loaded as any pass is: what a model knows of its inputs is checked there.
             let loaded = crate::study::load(&crate::job::kinds(), &next).map_err(|diagnostics| {
                 let report = diagnostics.render(context.coloured, MOST_DIAGNOSTICS);
@@ -179,8 +189,12 @@ impl Csv {
             "" => String::new(),
             names => format!("without a channel so far: {}\n", escaped(names)),
         };
+        let (what, only) = match template.is_of_some {
+            true => ("the other channels", " (the channels that are named like what they are need no line)"),
+            false => ("the channels", ""),
+        };
         format!(
-            "Say what the channels are: write these lines to channels.csv, mend what was guessed by name (`name` is an input, or \
+            "Say what {what} are: write these lines to channels.csv{only}, mend what was guessed by name (`name` is an input, or \
              the sensor's name with what it `measures`; a line without a name leaves its channel out), then\n\
              bmv import csv {} --into {}{name} --channels channels.csv{force}\n{without}\n{}",
             files.join(" "),

@@ -7,6 +7,7 @@ use crate::document::hash::sha256_hex_of;
 use crate::job::calibrate;
 use crate::job::compare::{self, Deviation};
 use crate::study::Pass;
+use crate::study::job::CALIBRATION;
 
 use super::ladder::{Standing, standings};
 
@@ -37,6 +38,11 @@ pub struct Readings {
     pub held_out: u64,
 }
 
+/// Whether a field is left out.
+fn is_false(value: &bool) -> bool {
+    !value
+}
+
 /// A pass of a study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PassErrors {
@@ -52,6 +58,9 @@ pub struct PassErrors {
     pub added: Vec<String>,
     /// Root mean square of measured minus predicted over sensors in kelvin, K.
     pub rmse_k: States,
+    /// Whether the tuned error is that of the fit with which a diagnosis begins: the pass calibrates nothing.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub is_tuned_by_diagnosis: bool,
     /// Mean of the same, K.
     pub mean_k: States,
     /// Share of readings within the limit for one reading.
@@ -100,12 +109,30 @@ fn missing(pass: &Pass) -> Vec<String> {
 }
 
 impl PassErrors {
+    /// What its state at nominal parameters is: the model as it was delivered, or with effects that it has adopted.
+    pub fn untuned_in_words(&self) -> String {
+        match self.adopted.as_slice() {
+            [] => "as delivered".to_owned(),
+            ids => format!("with {} at nominal size", ids.join(", ")),
+        }
+    }
+
+    /// What its tuned state is.
+    pub fn tuned_in_words(&self) -> String {
+        let by = if self.is_tuned_by_diagnosis { " by the diagnosis" } else { "" };
+        match self.adopted.as_slice() {
+            [] => format!("tuned only{by}"),
+            ids => format!("tuned{by} with {}", ids.join(", ")),
+        }
+    }
+
     /// A pass with the results by which it is judged, each with its job's name; `parent` is the pass before it.
     pub fn new(
         pass: &Pass,
         parent: Option<&Pass>,
         comparison: Option<(&str, &compare::Output)>,
         calibration: Option<(&str, &calibrate::Output)>,
+        diagnosis: Option<&crate::diagnosis::Output>,
     ) -> Self {
         let adopted: Vec<String> = pass.adopted.iter().map(|effect| effect.id.clone()).collect();
         let before: Vec<&String> = parent.iter().flat_map(|parent| &parent.adopted).map(|effect| &effect.id).collect();
@@ -131,6 +158,12 @@ impl PassErrors {
             errors.p_value = output.p_value;
             errors.remedy = output.remedy().map(|remedy| remedy.in_words(name));
             errors.calibration = Some(name.to_owned());
+        }
+        let tuned = diagnosis.map(|output| output.misfit.rmse_k).filter(|_| errors.rmse_k.tuned == Split::default());
+        if let Some(tuned) = tuned {
+            errors.rmse_k.tuned = Split { train: tuned.train, held_out: tuned.held_out };
+            errors.is_tuned_by_diagnosis = true;
+            errors.missing.retain(|kind| kind != CALIBRATION);
         }
         errors
     }

@@ -47,11 +47,15 @@ pub enum Left {
     About(f64),
 }
 
+/// A time left below which nothing is said, s: that it ends at once is what nobody knows of a block that goes on.
+const LEAST_S: f64 = 0.5;
+
 impl Left {
-    /// `about 3 min left`; nothing where nothing is known.
+    /// `about 3 min left`; nothing where nothing is known, or a part of a second.
     pub fn text(self) -> Option<String> {
         match self {
             Self::Unknown => None,
+            Self::AtLeast(left_s) | Self::About(left_s) if left_s < LEAST_S => None,
             Self::AtLeast(left_s) => Some(format!("at least {} left", duration_text(left_s))),
             Self::About(left_s) => Some(format!("about {} left", duration_text(left_s))),
         }

@@ -10,17 +10,22 @@ pub struct JudgedBy<'p> {
     pub comparison: &'p str,
     /// The calibration whose tuned state the comparison shows, else the pass's first.
     pub calibration: Option<&'p str>,
+    /// Where there is none: the first job that fits the model to what the comparison compares, which knows the tuned error.
+    pub diagnosis: Option<&'p str>,
 }
 
 /// The jobs by which a pass is judged: its first comparison that shows a tuned state, else its first. `None` where the
 /// pass compares nothing.
 pub fn judged_by(pass: &Pass) -> Option<JudgedBy<'_>> {
-    let comparisons =
-        || pass.jobs.iter().filter_map(|job| Some((job.name.as_str(), job.spec.comparison()?.calibration)));
-    let (comparison, shown) = comparisons().find(|(_, shown)| shown.is_some()).or_else(|| comparisons().next())?;
+    let comparisons = || pass.jobs.iter().filter_map(|job| Some((job.name.as_str(), job.spec.comparison()?)));
+    let (comparison, own) =
+        comparisons().find(|(_, own)| own.calibration.is_some()).or_else(|| comparisons().next())?;
     let is_calibration = |spec: &JobSpec| spec.resolved().is_some() && spec.kind() == CALIBRATION;
     let first = || pass.jobs.iter().find(|job| is_calibration(&job.spec)).map(|job| job.name.as_str());
-    Some(JudgedBy { comparison, calibration: shown.or_else(first) })
+    let calibration = own.calibration.or_else(first);
+    let fits = |spec: &JobSpec| spec.kind() != CALIBRATION && spec.inference().is_some_and(|fit| fit.data == own.data);
+    let fitting = pass.jobs.iter().find(|job| fits(&job.spec)).map(|job| job.name.as_str());
+    Some(JudgedBy { comparison, calibration, diagnosis: fitting.filter(|_| calibration.is_none()) })
 }
 
 /// The order in which passes are stated: each after its parents, else as given. A pass is its file and those of its

@@ -432,3 +432,29 @@ fn without_a_map_the_next_step_is_a_map_to_begin_with() {
     assert!(said.contains("1 sensor, 2 inputs") && said.contains("Made plate/pass-2.json"), "{said}");
     assert!(!said.contains("channel,name,unit,measures"), "the map is there: {said}");
 }
+
+/// Channels that are named like what they are need no line of a map, and the map goes before all else: one next step.
+#[test]
+fn a_map_of_the_odd_channels_is_the_one_next_step() {
+    let root = plate();
+    let log = "time;plate [degC];Power supply [W];T wall [degC]\n14.03.2026 06:00:00;43,0;10;20\n14.03.2026 06:10:00;43,1;10;20\n\
+               14.03.2026 06:20:00;43,2;10;20\n";
+    fs::write(root.path().join("log.csv"), log).unwrap();
+    let said = printed(root.path(), &["import", "csv", "log.csv", "--into", "plate"]);
+    assert!(said.contains("Made plate/pass-2.json, without the channels that are named like nothing"), "{said}");
+    assert!(!said.contains("bmv compare"), "{said}");
+    assert!(said.contains("(the channels that are named like what they are need no line)"), "{said}");
+    let map = &said[said.find("channel,name,unit,measures").unwrap_or_else(|| panic!("{said}"))..];
+    assert_eq!(map.trim_end(), "channel,name,unit,measures\nPower supply,Power supply,W,", "{said}");
+    fs::write(root.path().join("channels.csv"), map.replace(",Power supply,W,", ",Q,W,")).unwrap();
+    let command = ["import", "csv", "log.csv", "--into", "plate", "--channels", "channels.csv", "--force"];
+    let said = printed(root.path(), &command);
+    assert!(said.contains("1 sensor, 2 inputs") && said.contains("try\nbmv compare plate/pass-2.json\n"), "{said}");
+    // When the record began stays with it.
+    let pass: Json = serde_json::from_str(&fs::read_to_string(root.path().join("plate/pass-2.json")).unwrap()).unwrap();
+    assert_eq!(pass["measurements"]["log"]["transient"]["time_zero"], "2026-03-14T06:00:00");
+    let wrong = pass.to_string().replace("2026-03-14T06:00:00", "last Saturday");
+    fs::write(root.path().join("plate/pass-2.json"), wrong).unwrap();
+    let refused = bmv(root.path(), &["plan", "plate"]);
+    assert!(text(&refused.stderr).contains("`last Saturday` is no date and time"), "{}", text(&refused.stderr));
+}

@@ -141,7 +141,7 @@ fn an_evidence_that_is_not_to_be_trusted_is_marked() {
     let section = section(&report.markdown, "calibration");
     assert!(
         section.contains(
-            "Log evidence by importance sampling: 845.2, not to be trusted (Pareto k 1.14, wanted: 0.7 or less)"
+            "Log evidence by importance sampling: 845.2, not to be trusted (Pareto k 1.14, wanted: 0.7 or less; \"sampler\": \"smc\" gives it otherwise)"
         ),
         "{section}"
     );

@@ -357,3 +357,38 @@ fn groups_stand_in_the_table_where_they_tell_rivals() {
     let (_, of_one) = told("identified");
     assert!(!of_one.contains("| Rivals |") && !of_one.contains("group 1"), "{of_one}");
 }
+
+/// A test costs days in a chamber: none is the next step that is little better than guessing, or that the hardware may not bear.
+#[test]
+fn only_a_phase_that_is_worth_a_test_is_the_next_step() {
+    let next = |change: &dyn Fn(&mut Output)| {
+        let mut sample = diagnosed("ambiguous");
+        assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| change(output)));
+        let summary = rendered(&sample).markdown.replace('\u{A0}', " ").replace('\\', "");
+        summary.lines().find(|line| line.starts_with("> **Next.**")).expect("a next step").to_owned()
+    };
+    let phase = |probability: f64, near_tested: bool| {
+        next(&|output| {
+            let experiment = output.discriminating_experiment.as_mut().expect("an experiment");
+            (experiment.probability, experiment.near_tested) = (probability, near_tested);
+        })
+    };
+    has(&phase(0.81, true), &["Measure a phase that tells `conductive-path:baseplate:board` from"]);
+    for told in [phase(0.79, true), phase(0.99, false)] {
+        assert!(!told.contains("Measure") && told.contains("lists what else it could be"), "{told}");
+    }
+    let step = |probability: f64| {
+        next(&|output| {
+            output.discriminating_experiment = None;
+            let step = json!({"input": "Q_1", "from": {"value": 0.0, "unit": "W"}, "to": {"value": 2.5, "unit": "W"}, "like": "test",
+                "duration_s": 9000.0, "slowest": "board", "time_constant_s": 3000.0, "probability": probability, "limits_ok": true,
+                "near_tested": true, "was_set": true});
+            let own = json!({"between": ["thermal-mass:board", "path-capacity:strap"], "step": step});
+            output.only_in_transients = serde_json::from_value(own).expect("a step");
+        })
+    };
+    let worth = "Measure a step of Q_1 from 0 to 2.5 W for 2.5 h: it tells `thermal-mass:board` from `path-capacity:strap` \
+                 with probability 97.0 %.";
+    has(&step(0.97), &[worth]);
+    assert!(!step(0.62).contains("Measure"), "{}", step(0.62));
+}

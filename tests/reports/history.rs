@@ -95,7 +95,8 @@ fn errors_of_other_readings_are_not_held_against_one_another() {
     report.history = Some(other);
     let markdown = render(&report).expect("renders").markdown.replace('\u{A0}', " ");
     let section = section(&markdown, "history");
-    let told = "held-out error 3.60 K as delivered, held-out error 0.30 K tuned, on other readings than those of `pass-2.json`";
+    let told = "held-out error 3.60 K with sink-offset:&lt;plate&gt; at nominal size, held-out error 0.30 K tuned, on other readings than \
+                those of `pass-2.json`";
     assert!(section.replace("\\-", "-").contains(told), "{section}");
     assert!(!section.contains("1.90 K → 0.30 K") && !section.contains("1.90 K \\-\\> 0.30"), "{section}");
 }
@@ -130,8 +131,38 @@ fn an_evidence_that_is_not_to_be_trusted_and_chains_that_did_not_converge_are_ma
     );
     assert!(row("pass-3.json").contains("31.24**") && row("pass-4.json").contains("31.24**"), "{section}");
     assert!(
-        section.contains("The evidence of pass-3.json is marked: its importance weights have a Pareto k above 0.7"),
+        section.contains("The evidence of pass-3.json is marked: its importance weights have a Pareto k above 0.7")
+            && section.contains("`\"sampler\": \"smc\"` gives it without such weights."),
         "{section}"
     );
     assert!(section.contains("What mends it: write \"draws\": 4000 under jobs.tuned.calibrate."), "{section}");
+}
+
+/// A report of a pass alone, or of one whose parents have no error: its first state has what was adopted in it.
+#[test]
+fn a_pass_that_adopts_is_not_called_as_delivered() {
+    let sample = steady();
+    let mut report = sample.report();
+    let whole = history();
+    report.history = Some(History { passes: vec![whole.passes[2].clone(), whole.passes[4].clone()] });
+    let words = section(&render(&report).expect("renders").markdown, "history").replace('\u{A0}', " ");
+    let said = "`pass-3.json` with sink-offset:&lt;plate&gt; at nominal size → tuned, nothing further added: RMSE held-out 3.60 K";
+    assert!(words.contains(said), "{words}");
+    assert!(!words.contains("without new physics") && !words.contains("pass-3.json` as delivered"), "{words}");
+}
+
+/// A pass that calibrates nothing is tuned by its diagnosis, and lacks no calibration.
+#[test]
+fn the_fit_of_a_diagnosis_is_the_tuned_state_of_a_pass_without_a_calibration() {
+    let sample = steady();
+    let mut report = sample.report();
+    let mut whole = history();
+    whole.passes.truncate(3);
+    whole.passes[1].is_tuned_by_diagnosis = true;
+    report.history = Some(whole);
+    let words = section(&render(&report).expect("renders").markdown, "history").replace('\u{A0}', " ");
+    assert!(
+        words.contains("as delivered → tuned, without new physics (by the diagnosis): RMSE held-out 3.70 K → 1.90 K"),
+        "{words}"
+    );
 }

@@ -376,7 +376,8 @@ fn the_first_screen_says_which_adopted_effects_act_in_predictions_and_how_sure_t
     assert!(!summary(&sample, &[], false).contains("predictions too"), "there is no environment to predict in");
     sample.environments = vec![bmv::study::requirement::Environment { name: "hot flight".into(), inputs: vec![] }];
     let everywhere = summary(&sample, &[], false);
-    let said = "> **Warning.** An adopted effect acts in predictions too (`hot flight`): `harness`, a choice at 51.0 %";
+    let said = "> **Warning.** An adopted effect acts in predictions too (`hot flight`): `harness`, a choice at 51.0 % in \
+                pass-1.json";
     assert!(everywhere.contains(said), "{everywhere}");
     assert!(summary(&sample, &["hot flight"], false).contains(said));
     let of_test = summary(&sample, &["balance test"], false);

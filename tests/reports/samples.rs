@@ -581,6 +581,7 @@ pub fn transient() -> Sample {
         file: "data/step-test.csv".into(),
         sha256: "cd".repeat(32),
         unused_columns: vec!["Comment".into()],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };
@@ -668,6 +669,7 @@ pub fn steady() -> Sample {
         file: "data/balance-test.csv".into(),
         sha256: "ef".repeat(32),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };

@@ -85,6 +85,7 @@ fn campaign(model: &Model, network: &Network, set: u64) -> (Vec<f64>, Measuremen
         file: "data.csv".into(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };

@@ -113,6 +113,7 @@ fn check(input_sigma_k: f64) {
         file: "data.csv".into(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };

@@ -45,6 +45,7 @@ fn measurement(rows: Rows, sensors: Vec<Sensor>, readings: Vec<Option<f64>>) -> 
         file: String::new(),
         sha256: String::new(),
         unused_columns: Vec::new(),
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     }

@@ -91,7 +91,7 @@ fn transient(date_s: f64, watts: f64, bias: f64) -> (Problem, Output) {
         cabinet += 0.5 * through / 100.0;
     }
     let measurement = format!(
-        r#"{{"transient": {{"file": "data.csv", "hold": ["Q"], "inputs": {{"P": {{"value": 0, "unit": "W"}}}},
+        r#"{{"transient": {{"file": "data.csv", "hold": ["Q"], "time_zero": "2026-03-14T06:00:00", "inputs": {{"P": {{"value": 0, "unit": "W"}}}},
         "initial": {{"temperatures": {{"all": 290}}}}, {SENSORS}}}}}"#
     );
     diagnosed(&table, &measurement)
@@ -105,6 +105,10 @@ fn heat_that_sets_in_during_a_transient_is_dated_within_three_rows() {
     assert_eq!(output.selected, ["dated-load:plate"], "{:?}", output.words);
     let own = &output.effects[0].amplitudes;
     assert!((own["date"].value - DATE_S).abs() < 150.0, "{own:?}");
+    // 1 h 10 min after the record's start.
+    let since = output.effects[0].since.as_deref().expect("the record says when its time is 0");
+    assert!(since.starts_with("2026-03-14 07:") && since < "2026-03-14 07:13", "{since}");
+    assert!(output.words.iter().any(|said| said.contains(&format!(" h ({since}) on"))), "{:?}", output.words);
     // Four standard deviations.
     assert!((own["power"].value - 2.0).abs() < 4.0 * own["power"].sd && own["power"].sd < 0.1, "{own:?}");
 }

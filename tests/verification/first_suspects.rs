@@ -238,3 +238,49 @@ fn a_node_that_begins_to_store_heat_starts_in_balance_and_is_found() {
     assert!(found.failures.is_empty(), "{:?}", found.failures);
     assert!((found.readings[1] - (0.2 * 300.0 + 0.1 * 200.0) / 0.3).abs() < 1e-6, "{}", found.readings[1]);
 }
+
+/// A plate on feet, of which the test only ever moved the heater.
+const ON_FEET: &str = r#"{
+  "format": "bmv-network/1",
+  "title": "A plate on feet",
+  "inputs": {"T_sink": {"unit": "K", "nominal": 280, "range": [250, 310]}, "Q": {"unit": "W", "nominal": 2, "range": [0, 10]}},
+  "parameters": {"G": {"unit": "W/K", "nominal": 0.3, "prior": {"uniform": [0.2, 0.4]}, "source": "assumed"}},
+  "nodes": {"sink": {"boundary": "T_sink"}, "plate": {"capacity": 400}},
+  "conductors": {"feet": {"between": ["plate", "sink"], "conductance": "G"}},
+  "loads": {"heater": {"into": "plate", "power": "Q"}}
+}"#;
+
+/// Storage at the plate or in its feet: both are slow to follow the heater, and no steady phase can tell which it is. A step of
+/// the sink can, which the feet's storage holds back.
+#[test]
+fn what_stores_heat_is_told_apart_by_a_step_and_by_no_steady_phase() {
+    let key = StreamKey::new(29, "suspects", "noise");
+    let mut stream = key.stream(0);
+    let mut table = String::from("time [s],T_sink [K],Q [W],plate [K]\n");
+    let mut plate = 280.0_f64;
+    for second in 0..=6000_usize {
+        let power = if second < 600 { 0.0 } else { 5.0 };
+        if second.is_multiple_of(60) {
+            table.push_str(&format!("{second},280,{power},{:e}\n", plate + 0.05 * stream.normal()));
+        }
+        // By hand, in steps of a second: 40 J/K more than the model has.
+        plate += (power - 0.3 * (plate - 280.0)) / 440.0;
+    }
+    let pass = r#"{"format": "bmv-pass/1", "title": "Feet", "parent": null, "model": "model.json", "seed": 3,
+        "measurements": {"test": {"transient": {"file": "data.csv", "hold": ["Q"], "initial": {"steady": {}},
+            "sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.05, "unit": "K"}}}}}},
+        "jobs": {"missing": {"diagnose": {"effects": ["thermal-mass", "path-capacity"]}}}}"#;
+    let output = Study::new(ON_FEET, &table, pass).diagnosed();
+    assert_eq!(output.verdict, Verdict::Ambiguous, "{:?}", output.words);
+    assert_eq!((&output.discriminating_experiment, &output.one_thing), (&None, &None), "{:?}", output.words);
+    let apart = output.only_in_transients.as_ref().expect("told apart by a transient");
+    let mut between = apart.between.clone();
+    between.sort();
+    assert_eq!(between, ["path-capacity:feet", "thermal-mass:plate"]);
+    let step = apart.step.as_ref().expect("a step");
+    assert!(step.input == "T_sink" && step.probability > 0.8 && !step.was_set, "{step:?}");
+    assert!((1000.0..3000.0).contains(&step.time_constant_s) && step.slowest == "plate", "{step:?}");
+    assert!((step.duration_s / step.time_constant_s - 3.0).abs() < 1e-9, "{step:?}");
+    let said = |text: &str| output.words.iter().any(|word| word.contains(text));
+    assert!(said("No steady phase can tell") && said("a step of T_sink from"), "{:?}", output.words);
+}

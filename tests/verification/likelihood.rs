@@ -165,6 +165,7 @@ fn bench() -> (Model, Vec<Measurement>) {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };
@@ -183,6 +184,7 @@ fn bench() -> (Model, Vec<Measurement>) {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };
@@ -308,6 +310,7 @@ fn input_errors_enter_the_covariance_of_a_phase() {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };

@@ -152,6 +152,7 @@ pub fn measurement(model: &Model) -> Measurement {
         file: "data.csv".into(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     }

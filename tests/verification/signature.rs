@@ -45,6 +45,7 @@ fn measurement(name: &str, rows: Rows, sensors: Vec<Sensor>, readings: Vec<Optio
         file,
         sha256,
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     }

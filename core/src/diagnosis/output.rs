@@ -165,6 +165,9 @@ pub struct EffectResult {
     pub group: Option<u64>,
     /// Its parameters at the fit of its best set.
     pub amplitudes: BTreeMap<String, Amount>,
+    /// Date and time from which on it is there, where it sets in at a date and the record says when its time is 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub since: Option<String>,
     /// Errors without it and with it, the rest of its best set given.
     pub rmse_k: RmseChange,
     /// Start temperatures of the nodes that it adds, where they were inferred.
@@ -212,6 +215,10 @@ pub struct EffectFile {
 
 fn is_none(probability: &f64) -> bool {
     *probability == 0.0
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn one() -> f64 {
@@ -308,6 +315,9 @@ pub struct DiscriminatingExperiment {
     pub repeat_probability: f64,
     /// Whether no red limit of a node is passed there.
     pub limits_ok: bool,
+    /// Whether no sensor would read far beyond all readings so far, but where its node's limits allow it.
+    #[serde(default = "yes")]
+    pub near_tested: bool,
     /// What the rivals predict there: sensor, and each rival's reading, K.
     pub predictions: BTreeMap<String, Vec<f64>>,
 }
@@ -321,6 +331,42 @@ pub struct OneThing {
     pub probability: f64,
     /// The same for repeating the best of the old phases.
     pub repeat_probability: f64,
+}
+
+/// A step of one input that tells rivals apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DiscriminatingStep {
+    /// The input that steps, from a steady state.
+    pub input: String,
+    /// Its value before.
+    pub from: Setting,
+    /// Its value after.
+    pub to: Setting,
+    /// The measurement in whose first row the other inputs have the values that they keep.
+    pub like: String,
+    /// How long the step is watched, s.
+    pub duration_s: f64,
+    /// The sensor that is slowest to follow.
+    pub slowest: String,
+    /// Time in which all but 1/e of its change is done, s.
+    pub time_constant_s: f64,
+    /// Probability of telling the rivals apart.
+    pub probability: f64,
+    /// Whether no red limit of a node is passed.
+    pub limits_ok: bool,
+    /// Whether no sensor would read far beyond all readings so far, but where its node's limits allow it.
+    pub near_tested: bool,
+    /// Whether the data have the input at both values.
+    pub was_set: bool,
+}
+
+/// Sets that differ in what stores heat alone: no steady phase can part them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OnlyInTransients {
+    /// The selected set, then its rivals.
+    pub between: Vec<String>,
+    /// What would part them; nothing where no input can be set within a range.
+    pub step: Option<DiscriminatingStep>,
 }
 
 /// Heat that the model lacks.
@@ -421,6 +467,9 @@ pub struct Output {
     /// Rivals of an ambiguous group that no allowed steady phase tells apart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_thing: Option<OneThing>,
+    /// Rivals of an ambiguous group that differ in what stores heat alone, and the step that tells them apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub only_in_transients: Option<OnlyInTransients>,
     /// Heat that the tuned model lacks.
     pub heat: Vec<Heat>,
     /// What that heat goes with.

@@ -1,5 +1,6 @@
-//! JSON with places: spans, quantities and units, checked maps, canonical form, hashes, diagnostics.
+//! JSON with places: spans, quantities and units, checked maps, canonical form, hashes, diagnostics, dates.
 
+pub mod calendar;
 pub mod canonical;
 pub mod code;
 pub mod declare;

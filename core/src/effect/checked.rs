@@ -124,6 +124,18 @@ impl Effect {
         self.form.adds.value.swap.is_some()
     }
 
+    /// Whether it does nothing but store heat or follow it late, at a place of this kind: no steady phase shows it. A hidden node
+    /// between two nodes is a path as well.
+    pub fn only_stores(&self, where_kind: &str) -> bool {
+        let stores = |name: &str| match name {
+            "capacity" | "within" | "source" | "lag" => true,
+            "node" => where_kind != PlaceKind::Pair.where_kind(),
+            _ => false,
+        };
+        let given = self.form.adds.value.given();
+        !given.is_empty() && given.into_iter().all(stores)
+    }
+
     /// Checks an effect as written; `json` is its file. `None` after an error.
     pub fn new(name: &str, form: EffectForm, json: serde_json::Value, diagnostics: &mut Diagnostics) -> Option<Self> {
         let before = diagnostics.errors();

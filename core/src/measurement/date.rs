@@ -1,5 +1,6 @@
 //! When readings were taken, as an input of a model: what changes at a date depends on it.
 
+use crate::document::calendar::date_and_time;
 use crate::thermal::{Input, Model};
 
 use super::{Measurement, Rows};
@@ -111,6 +112,19 @@ impl Model {
             }
         }
     }
+}
+
+/// Date and time at which the input that says when has this value, where a transient that was running then says when its time
+/// is 0.
+pub fn calendar(model: &Model, measurements: &[Measurement], when: f64) -> Option<String> {
+    let date = model.date?;
+    measurements.iter().find_map(|measurement| {
+        let Rows::Transient { inputs, .. } = &measurement.rows else { return None };
+        let time_s = when - inputs.base.get(date)?;
+        let [first, last] = span(measurement)?;
+        let is_running = (first..=last).contains(&time_s);
+        date_and_time(measurement.time_zero_s.filter(|_| is_running)? + time_s)
+    })
 }
 
 impl Measurement {

@@ -22,6 +22,7 @@ use crate::effect::SensorChange;
 use crate::random::Distribution;
 use crate::thermal::Model;
 pub use crate::thermal::transient::{InputColumn, InputTable};
+pub use date::calendar;
 pub use sensor_places::sensor_places;
 
 /// A number that is known, or has a prior and is inferred.
@@ -257,6 +258,8 @@ pub struct Measurement {
     pub sha256: String,
     /// Columns of the file that nothing uses.
     pub unused_columns: Vec<String>,
+    /// When its time is 0, s since 1970-01-01 of the clock that the record was taken by; for people.
+    pub time_zero_s: Option<f64>,
     /// Whether it goes on after a gap in a record: parts that no sensor shows then begin at no known temperature.
     pub follows_gap: bool,
     /// What is doubtful about the data: inputs without a value, a start beside the first readings, phases that drift.
@@ -288,6 +291,9 @@ impl Measurement {
             json!({"name": self.name, "file": self.sha256, "resolved": hash::sha256_hex(text.as_bytes())});
         if !self.doubts.is_empty() {
             identity["doubts"] = json!(self.doubts);
+        }
+        if let Some(zero) = self.time_zero_s {
+            identity["time_zero_s"] = json!(zero);
         }
         if self.follows_gap {
             identity["follows_gap"] = json!(true);

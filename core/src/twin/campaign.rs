@@ -57,6 +57,7 @@ pub fn measurement(
         file: "data/test.csv".to_owned(),
         sha256: String::new(),
         unused_columns: Vec::new(),
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     };

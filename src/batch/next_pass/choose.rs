@@ -333,7 +333,8 @@ fn odds(diagnosis: &Output, chosen: &[&EffectResult]) -> String {
 fn parting(diagnosis: &Output, model: &Model) -> Option<String> {
     let phase = diagnosis.discriminating_experiment.as_ref().and_then(|apart| experiment(apart, model));
     let none = diagnosis.one_thing.as_ref().map(OneThing::clause);
-    let words: Vec<String> = phase.into_iter().chain(none).collect();
+    let step = diagnosis.only_in_transients.as_ref().map(|own| own.clause(model));
+    let words: Vec<String> = phase.into_iter().chain(none).chain(step).collect();
     (!words.is_empty()).then(|| words.join("; "))
 }
 

@@ -1,5 +1,5 @@
-//! A map of the channels to begin with: every channel in the form that `--channels` reads, with what it may stand for as far as
-//! names and units tell.
+//! A map of the channels to begin with: every channel that is named like nothing of the model, in the form that `--channels`
+//! reads, with what it may stand for as far as names and units tell.
 
 use super::proposal::{Known, bare, meant, quoted};
 use super::record::{Channel, Record};
@@ -18,6 +18,8 @@ pub struct MapTemplate {
     pub csv: String,
     /// Names of the model that no channel stands for; empty where all have one.
     pub without_channel: String,
+    /// Whether there are channels that need no line: they are named like what they are.
+    pub is_of_some: bool,
 }
 
 /// What a channel may stand for.
@@ -46,14 +48,8 @@ fn is_alike(one: Option<&str>, other: &str) -> bool {
     one.and_then(dimension).is_some_and(|own| dimension(other) == Some(own))
 }
 
-/// What a channel may stand for: what it is named like, else what shares a word with it.
+/// What a channel may stand for that is named like nothing: what shares a word with it.
 fn guess<'k>(channel: &Channel, known: &'k Known) -> Option<Guess<'k>> {
-    if let Some(input) = known.input_of(channel) {
-        return Some(Guess::Input(input));
-    }
-    if let Some(measures) = meant(&known.measured, channel) {
-        return Some(Guess::Measures(measures));
-    }
     let own = words(&channel.name);
     let shares = |name: &str| {
         let theirs = words(name);
@@ -78,11 +74,16 @@ fn guess<'k>(channel: &Channel, known: &'k Known) -> Option<Guess<'k>> {
     best.map(|(_, own)| own)
 }
 
-/// A map of all channels of a record.
+/// A map of the channels of a record that need one.
 pub fn map_template(record: &Record, known: &Known) -> MapTemplate {
     let mut csv = String::from("channel,name,unit,measures\n");
-    let mut used: Vec<&str> = Vec::new();
-    for channel in &record.channels {
+    let clear = |channel: &Channel| {
+        let own = known.input_of(channel).or_else(|| meant(&known.measured, channel));
+        own.filter(|_| channel.left_out.is_none())
+    };
+    let mut used: Vec<&str> = record.channels.iter().filter_map(clear).map(String::as_str).collect();
+    let is_of_some = !used.is_empty();
+    for channel in record.channels.iter().filter(|channel| clear(channel).is_none()) {
         let name = quoted(&channel.name);
         let unit = channel.unit.as_deref().unwrap_or_default();
         if channel.left_out.is_some() {
@@ -108,5 +109,5 @@ pub fn map_template(record: &Record, known: &Known) -> MapTemplate {
     let parts = [("inputs", inputs.iter().map(String::as_str).collect()), ("nodes and quantities", nodes)];
     let parts = parts.into_iter().filter(|(_, names)| !names.is_empty());
     let parts: Vec<String> = parts.map(|(what, names)| format!("{what} {}", listed(names, MOST_NAMES))).collect();
-    MapTemplate { csv, without_channel: parts.join("; ") }
+    MapTemplate { csv, without_channel: parts.join("; "), is_of_some }
 }

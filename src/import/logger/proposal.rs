@@ -6,6 +6,7 @@ use super::absolute_error::{self, Tolerance};
 use super::between_rows::{BetweenRows, between_rows};
 use super::dead;
 use super::record::{Channel, Record};
+use crate::document::calendar::date_and_time;
 use crate::document::counted;
 use crate::document::suggest::{self, listed};
 use crate::report::number::significant;
@@ -200,6 +201,9 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
     }
     let names = sensors.keys().cloned().collect();
     let mut transient = json!({"file": file, "sensors": sensors, "initial": {"measured": {}}});
+    if let Some(start) = record.start_s.and_then(date_and_time) {
+        transient["time_zero"] = json!(start.replace(' ', "T"));
+    }
     if let Some(wrong) = said.wrong(&of_inputs) {
         return Err(wrong);
     }

@@ -74,6 +74,8 @@ impl Channel {
 pub struct Record {
     /// Instants, s from the first.
     pub times_s: Vec<f64>,
+    /// The first, s since 1970-01-01, where the files have dates.
+    pub start_s: Option<f64>,
     /// Channels in the order of the files.
     pub channels: Vec<Channel>,
     /// What was assumed or left out, a line each.
@@ -252,6 +254,7 @@ impl Record {
     /// Lays the readings out by instant, and says which channels are of no use.
     pub(super) fn finish(&mut self) {
         let Some(first) = self.rows.keys().next().copied() else { return };
+        self.start_s = self.is_dated.filter(|is_dated| *is_dated).map(|_| first as f64 / 1000.0);
         self.times_s = self.rows.keys().map(|key| (key - first) as f64 / 1000.0).collect();
         for (at, channel) in self.channels.iter_mut().enumerate() {
             let coldest = match channel.unit.as_deref() {

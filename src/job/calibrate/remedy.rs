@@ -1,6 +1,6 @@
 //! What mends a calibration whose chains did not converge: the fields of its settings, and what to write there.
 
-use super::output::Output;
+use super::output::{Evidence, Output};
 use super::sampler::Sampler;
 
 /// Draws of `independence-metropolis` that suffice where the posterior is nearly normal, for 15 unknowns and more.
@@ -19,6 +19,14 @@ pub enum Remedy {
     Settings(String),
     /// Another calibration, whose draws are the prior here: mended itself, this one may be as it is.
     Upstream(String),
+}
+
+impl Evidence {
+    /// What to write into the settings where the importance weights are not to be trusted: what gives the evidence without them.
+    /// Nothing where they are.
+    pub fn remedy(&self) -> Option<String> {
+        (!self.is_trusted()).then(|| format!(r#""sampler": "{}""#, Sampler::Smc.name()))
+    }
 }
 
 impl Output {

@@ -298,9 +298,9 @@ impl Calibrate {
                 counted(readings, "reading")
             ));
         }
-        if let Some(k) = evidence.pareto_k.filter(|_| !evidence.is_trusted()) {
+        if let (Some(k), Some(remedy)) = (evidence.pareto_k, evidence.remedy()) {
             warnings.push(format!(
-                "The evidence is not to be trusted (Pareto k of its weights {k:.2}, wanted: 0.7 or less): `\"sampler\": \"smc\"` \
+                "The evidence is not to be trusted (Pareto k of its weights {k:.2}, wanted: 0.7 or less): `{remedy}` \
                  gives it independently."
             ));
         }

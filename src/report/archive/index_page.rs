@@ -73,8 +73,8 @@ fn of_passes(studies: &[ArchivedStudy]) -> Section {
         id: "passes",
         title: "Passes".into(),
         blocks: vec![Block::Table(Table {
-            caption: "All passes. Error: root mean square of measured minus predicted on readings held out (of all where none are), as \
-                      delivered \u{2192} tuned."
+            caption: "All passes. Error: root mean square of measured minus predicted on readings held out (of all where none are), untuned \
+                      (as delivered, or with adopted effects at nominal size) \u{2192} tuned."
                 .into(),
             columns: vec![
                 Column::text("Study"),

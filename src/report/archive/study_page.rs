@@ -75,7 +75,7 @@ fn passes(study: &ArchivedStudy) -> Section {
     let mut blocks = vec![Block::Table(Table {
         caption:
             "The passes of the study. Error: root mean square of measured minus predicted on readings held out (of all \
-                  where none are), as delivered \u{2192} tuned."
+                  where none are), untuned (as delivered, or with adopted effects at nominal size) \u{2192} tuned."
                 .into(),
         columns: vec![
             Column::text("Pass"),
@@ -105,7 +105,7 @@ fn passes(study: &ArchivedStudy) -> Section {
     Section { id: "passes", title: "Passes".into(), blocks }
 }
 
-/// `3.70 → 1.90`: the error that counts, as delivered and tuned.
+/// `3.70 → 1.90`: the error that counts, untuned and tuned.
 pub(super) fn best(errors: &PassErrors) -> String {
     let of = |split: &Split| split.held_out.or(split.train);
     let text = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| fixed(value, 2));
@@ -160,7 +160,7 @@ fn waterfall(history: &History, id: &str, words: &str, pick: Pick) -> Option<Fig
         from,
         value,
         interval: None,
-        text: format!("{} K", fixed(value, 2)),
+        text: format!("{} \u{2192} {} K", fixed(from, 2), fixed(value, 2)),
         colour: if value <= from { palette::GREEN } else { palette::VERMILION },
     };
     for pass in history.measured() {
@@ -170,12 +170,14 @@ fn waterfall(history: &History, id: &str, words: &str, pick: Pick) -> Option<Fig
         let start = match before.and_then(|before| pick(&before.rmse_k.tuned)) {
             Some(earlier) => Some(earlier),
             None => {
-                bars.extend(delivered.map(|value| total(format!("{name}, as delivered"), value)));
+                bars.extend(delivered.map(|value| total(format!("{name}, {}", pass.untuned_in_words()), value)));
                 delivered
             }
         };
         let (Some(from), Some(value)) = (start, pick(&pass.rmse_k.tuned)) else { continue };
-        let what = if before.is_none() || pass.added.is_empty() {
+        let what = if before.is_none() && !pass.adopted.is_empty() {
+            format!("{name}, tuned, nothing further added")
+        } else if pass.added.is_empty() {
             format!("{name}, tuned")
         } else {
             format!("{name}, tuned with {}", pass.added.join(", "))
@@ -190,8 +192,8 @@ fn waterfall(history: &History, id: &str, words: &str, pick: Pick) -> Option<Fig
         id: format!("waterfall-{id}"),
         drawing: bar_chart(&Axis::new(format!("RMSE, readings {words} [K]")), &bars, None),
         caption: format!(
-            "Error on the readings {words}, from state to state: grey as delivered; green what a step took off, vermilion what it \
-             added, each written with the error that remains. A pass begins anew where its readings are others."
+            "Error on the readings {words}, from state to state: grey before any tuning; green what a step took off, vermilion what it \
+             added, each with the error before it and after it. A pass begins anew where its readings are others."
         )
         .into(),
         alternative: format!("Bars of the error by state: {}.", said.join("; ")),

@@ -1,11 +1,11 @@
-//! Error by pass: the first model as delivered and tuned, and what each pass made of it.
+//! Error by pass: the first model untuned and tuned, and what each pass made of it.
 
 use super::axis::Axis;
 use super::canvas::{Drawing, WIDTH, draw};
 use super::chart::{Area, Chart, Layer, Mark, Stroke, chart_columns};
 use super::palette::{BLUE, Colour, GREEN, VERMILION};
 
-/// The first pass as delivered, the first pass tuned, and each pass tuned; in order of the passes.
+/// The first pass untuned, the first pass tuned, and each pass tuned; in order of the passes.
 pub type Errors = (Option<f64>, Option<f64>, Vec<Option<f64>>);
 
 /// What is drawn. Errors are in kelvin.
@@ -19,6 +19,8 @@ pub struct PassCurves {
     pub held_out: Errors,
     /// Errors on those for fitting.
     pub train: Errors,
+    /// What the first pass's states are, untuned and tuned.
+    pub first_labels: [String; 2],
     /// Label of the third curve.
     pub tuned_label: String,
 }
@@ -61,8 +63,9 @@ fn chart(data: &PassCurves, title: &str, errors: &Errors, has_key: bool) -> Char
         }));
     };
     let first = data.passes.first().map_or("", String::as_str);
-    level(errors.0, VERMILION, Stroke::Solid, &format!("as delivered ({first})"));
-    level(errors.1, BLUE, Stroke::Dashed, &format!("tuned only ({first})"));
+    let [untuned, tuned] = &data.first_labels;
+    level(errors.0, VERMILION, Stroke::Solid, &format!("{untuned} ({first})"));
+    level(errors.1, BLUE, Stroke::Dashed, &format!("{tuned} ({first})"));
     let place = |pass: usize| Some((pass as f64 + 1.0, *errors.2.get(pass)?.as_ref()?));
     for &(from, to) in &data.steps {
         if let (Some(from), Some(to)) = (place(from), place(to)) {

@@ -163,12 +163,16 @@ fn at_bound(own: &ParameterSummary) -> Cell {
 /// The logarithm of the evidence with its error, or that it is not to be trusted.
 fn evidence(own: &Evidence) -> Option<String> {
     let value = own.value?;
-    Some(match (own.sd, own.pareto_k) {
-        (_, Some(k)) if !own.is_trusted() => {
-            format!("{}, not to be trusted (Pareto k {}, wanted: 0.7 or less)", fixed(value, 1), fixed(k, 2))
+    Some(match (own.sd, own.pareto_k, own.remedy()) {
+        (_, Some(k), Some(remedy)) => {
+            let k = fixed(k, 2);
+            format!(
+                "{}, not to be trusted (Pareto k {k}, wanted: 0.7 or less; {remedy} gives it otherwise)",
+                fixed(value, 1)
+            )
         }
-        (Some(sd), _) => with_error(value, sd),
-        (None, _) => fixed(value, 2),
+        (Some(sd), ..) => with_error(value, sd),
+        (None, ..) => fixed(value, 2),
     })
 }
 

@@ -106,13 +106,16 @@ fn table(rows: &[Judged]) -> Table {
         vec![
             Cell::from(Text::default().code(&row.requirement).plain(format!(": {}", row.statement))),
             required.into(),
-            Cell::code(&row.environment),
+            if row.environment.is_empty() { NONE.into() } else { Cell::code(&row.environment) },
             row.predicted.clone().into(),
             probability.into(),
             row.margin.clone().into(),
             row.state.clone().into(),
             Cell { text: Text::with_names(&row.verdict), status: Some(row.status) },
-            Cell::from(Text::default().code(&row.job).plain(" ").code(short(&row.key))),
+            match row.job.as_str() {
+                "" => NONE.into(),
+                job => Cell::from(Text::default().code(job).plain(" ").code(short(&row.key))),
+            },
         ]
     };
     Table {

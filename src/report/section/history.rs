@@ -22,10 +22,13 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 pub fn section(history: &History) -> Option<Section> {
     let measured = history.measured();
     let first = *measured.first()?;
-    let mut blocks = vec![Block::paragraph(
-        "Root mean square of measured minus predicted over all sensors in kelvin. As delivered: nominal parameters; tuned: the \
-         most probable parameters of the pass's calibration, which saw the readings for fitting alone.",
-    )];
+    let mut words = "Root mean square of measured minus predicted over all sensors in kelvin. As delivered: nominal parameters; tuned: the \
+                     most probable parameters of the pass's calibration, which saw the readings for fitting alone."
+        .to_owned();
+    if measured.iter().any(|pass| pass.is_tuned_by_diagnosis) {
+        words.push_str(" A pass without a calibration is tuned by its diagnosis.");
+    }
+    let mut blocks = vec![Block::paragraph(words)];
     blocks.push(Block::List(measured.iter().map(|pass| in_words(history, pass)).collect()));
     blocks.push(Block::Table(table(&measured)));
     let missing: Vec<Text> = history.passes.iter().flat_map(missing_jobs).collect();
@@ -49,11 +52,13 @@ pub fn section(history: &History) -> Option<Section> {
     }
     let doubtful: Vec<&str> = measured.iter().filter(|pass| is_doubtful(pass)).map(|pass| pass.pass.as_str()).collect();
     if !doubtful.is_empty() {
-        let text = format!(
-            "The evidence of {} is marked: its importance weights have a Pareto k above 0.7, so that it is not to be trusted.",
+        let text = Text::new(format!(
+            "The evidence of {} is marked: its importance weights have a Pareto k above 0.7, so that it is not to be trusted. In the \
+             settings of the calibration ",
             doubtful.join(", ")
-        );
-        blocks.push(Block::callout(Tone::Warning, text));
+        ));
+        let remedy = r#""sampler": "smc""#;
+        blocks.push(Block::callout(Tone::Warning, text.code(remedy).plain(" gives it without such weights.")));
     }
     if measured.len() > 1 {
         blocks.push(Block::Figure(figure(history, &measured, first)));
@@ -117,12 +122,16 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
     let mut text = Text::default().code(&pass.pass);
     let Some(before) = history.before(pass) else {
         return match change(&pass.rmse_k.delivered, &pass.rmse_k.tuned) {
-            Some(change) => text.plain(format!(" as delivered \u{2192} tuned, without new physics: {change}.")),
+            Some(change) => {
+                let by = if pass.is_tuned_by_diagnosis { " (by the diagnosis)" } else { "" };
+                let states = format!(" {} \u{2192} {}{by}", pass.untuned_in_words(), tuned_from_there(pass));
+                text.plain(format!("{states}: {change}."))
+            }
             None => {
                 let of = pass.rmse_k.delivered;
                 let value = of.held_out.or(of.train).map_or_else(|| NONE.to_owned(), kelvin);
                 let what = if of.held_out.is_some() { "held-out " } else { "" };
-                text.plain(format!(" as delivered: RMSE {what}{value}; the pass has no job "))
+                text.plain(format!(" {}: RMSE {what}{value}; the pass has no job ", pass.untuned_in_words()))
                     .code("calibrate")
                     .plain(" that tunes it.")
             }
@@ -157,6 +166,11 @@ fn in_words(history: &History, pass: &PassErrors) -> Text {
     }
 }
 
+/// What tuning made of the state before, which names the effects already.
+fn tuned_from_there(pass: &PassErrors) -> &'static str {
+    if pass.adopted.is_empty() { "tuned, without new physics" } else { "tuned, nothing further added" }
+}
+
 /// The error of a pass whose readings are not those of the pass before: it says nothing of whether the model became better.
 fn other_readings(text: Text, before: &PassErrors, pass: &PassErrors) -> Text {
     let of = |split: &Split, state: &str| {
@@ -164,7 +178,7 @@ fn other_readings(text: Text, before: &PassErrors, pass: &PassErrors) -> Text {
             split.held_out.map(|value| (value, "held-out ")).or(split.train.map(|value| (value, "")))?;
         Some(format!("{what}error {} {state}", kelvin(value)))
     };
-    let known = [of(&pass.rmse_k.delivered, "as delivered"), of(&pass.rmse_k.tuned, "tuned")];
+    let known = [of(&pass.rmse_k.delivered, &pass.untuned_in_words()), of(&pass.rmse_k.tuned, "tuned")];
     let known: Vec<String> = known.into_iter().flatten().collect();
     text.plain(format!(": {}, on other readings than those of ", known.join(", ")))
         .code(&before.pass)
@@ -252,6 +266,7 @@ fn figure(history: &History, measured: &[&PassErrors], first: &PassErrors) -> Fi
         steps,
         held_out: of(|split| split.held_out),
         train: of(|split| split.train),
+        first_labels: [first.untuned_in_words(), first.tuned_in_words()],
         tuned_label: if has_effects { "tuned with the effects" } else { "tuned" }.to_owned(),
     };
     let alternative = measured.iter().map(|pass| {
@@ -259,14 +274,15 @@ fn figure(history: &History, measured: &[&PassErrors], first: &PassErrors) -> Fi
         let value = tuned.held_out.or(tuned.train).map_or_else(|| "none".to_owned(), kelvin);
         format!("{} {value}", pass.pass)
     });
-    let first_errors = [("as delivered", first.rmse_k.delivered), ("tuned only", first.rmse_k.tuned)];
+    let [untuned, tuned] = [first.untuned_in_words(), first.tuned_in_words()];
+    let first_errors = [(&untuned, first.rmse_k.delivered), (&tuned, first.rmse_k.tuned)];
     let first_errors = first_errors.map(|(what, split)| {
         format!("{what} {}", split.held_out.or(split.train).map_or_else(|| "none".to_owned(), kelvin))
     });
     Figure {
         id: "error-by-pass".into(),
         drawing: pass_curves(&data),
-        caption: Text::new("Error by pass: as delivered and tuned only are those of ")
+        caption: Text::new(format!("Error by pass: {untuned} and {tuned} are states of "))
             .code(&first.pass)
             .plain("; each pass's own tuned state beside them."),
         alternative: format!(

@@ -99,8 +99,8 @@ fn passes(report: &PassReport<'_>) -> Vec<Block> {
     vec![
         Block::Heading("Passes and decisions".into()),
         Block::Table(Table {
-            caption: "Every pass with what it added, and its evidence: the error of readings held out (of all where none are), as \
-                      delivered and as tuned."
+            caption: "Every pass with what it added, and its evidence: the error of readings held out (of all where none are), untuned \
+                      (as delivered, or with adopted effects at nominal size) and tuned."
                 .into(),
             columns: vec![
                 Column::text("Pass"),

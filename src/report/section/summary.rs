@@ -83,13 +83,20 @@ fn data_warnings(report: &PassReport<'_>) -> Option<Block> {
 
 /// What came out and the key statements of the first screen.
 pub(super) fn in_brief(report: &PassReport<'_>) -> (Option<Text>, Vec<Statement>) {
-    let mut statements = statements(report);
-    statements.truncate(MOST_STATEMENTS);
-    (outcome::headline(report), statements)
+    let of_effects = adopted::sizes(report);
+    let (mut before, mut after) = statements(report, of_effects.is_empty());
+    // What was measured of the adopted effects has room in any case.
+    let room = MOST_STATEMENTS - of_effects.len().min(MOST_STATEMENTS);
+    before.truncate(room);
+    after.truncate(room - before.len());
+    before.extend(of_effects);
+    before.extend(after);
+    (outcome::headline(report), before)
 }
 
-/// The statements, most important first.
-fn statements(report: &PassReport<'_>) -> Vec<Statement> {
+/// The statements before and after those of the adopted effects' sizes, most important first; of a calibration that has none
+/// of these what it tells most of.
+fn statements(report: &PassReport<'_>, has_no_effect: bool) -> (Vec<Statement>, Vec<Statement>) {
     let mut statements = Vec::new();
     // What a calibrated model is for goes before how it came about.
     for (_, output) in report.outputs::<predict::Kind>() {
@@ -99,18 +106,17 @@ fn statements(report: &PassReport<'_>) -> Vec<Statement> {
     }
     for (position, (name, output)) in report.outputs::<diagnose::Kind>().enumerate() {
         if position == 0 {
-            statements.extend(missing::of_diagnosis(output));
+            statements.extend(missing::of_diagnosis(output, report.model));
         } else {
             statements.push(missing::of_further(name, output));
         }
     }
     // Of what was found its size, before that of what was known to be there.
-    let of_effects = adopted::sizes(report);
-    if of_effects.is_empty() {
+    if has_no_effect {
         let calibrations = report.outputs::<calibrate::Kind>();
         statements.extend(calibrations.filter_map(|(_, output)| outcome::of_calibration(output)));
     }
-    statements.extend(of_effects);
+    let before = std::mem::take(&mut statements);
     // What a requirement or a size says goes before what a distribution says, where there is no room for all.
     let mut distributions = Vec::new();
     for (_, output) in report.outputs::<propagate::Kind>() {
@@ -123,7 +129,7 @@ fn statements(report: &PassReport<'_>) -> Vec<Statement> {
         statements.extend(claims::of_sizes(report, output, (!is_one).then_some(name)));
     }
     statements.extend(distributions);
-    statements
+    (before, statements)
 }
 
 /// The picture of the first screen; in full it stands in the section that it belongs to.

@@ -57,6 +57,9 @@ written_struct! {
         optional description: String,
         /// CSV within the study: `time [s]` first, then `NAME [unit]` of inputs and sensors.
         required file: Spanned<String>,
+        /// Date and time at which the file's time is 0, such as `2026-03-14T06:00:00`, for people: what sets in at a date is then
+        /// stated with its date and time too.
+        optional time_zero: Spanned<String>,
         /// How it begins.
         required initial: InitialForm,
         /// Longest time between two rows. Where they lie farther apart, the transient begins anew.

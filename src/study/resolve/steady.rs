@@ -111,6 +111,7 @@ fn table(
         file: file.value.clone(),
         sha256: data.sha256,
         unused_columns: columns.unused,
+        time_zero_s: None,
         follows_gap: false,
         doubts: Vec::new(),
     }])
@@ -289,6 +290,7 @@ fn from_windows(
         file: files.join(", "),
         sha256,
         unused_columns,
+        time_zero_s: None,
         follows_gap: false,
         doubts: Vec::new(),
     }])

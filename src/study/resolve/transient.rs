@@ -1,5 +1,6 @@
 //! Transient measurements.
 
+use crate::document::calendar::dated;
 use crate::document::{MapEntry, NameOr, Sense, code};
 use crate::expression::Dimension;
 use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows, Sensor};
@@ -76,6 +77,7 @@ pub fn transient(
     let Some(stated) = stated else { return Outcome::Wrong };
     let sensors: Vec<Sensor> = list.into_iter().map(|(_, sensor)| sensor).collect();
     let Ok(max_gap_s) = max_gap(scope, form) else { return Outcome::Wrong };
+    let Ok(time_zero_s) = time_zero(scope, form) else { return Outcome::Wrong };
     let parts = rows_of_parts(&times_s, max_gap_s);
     if parts.len() > 1 && matches!(stated, Stated::Known(Initial::Temperatures { .. })) {
         let place = form.max_gap.as_ref().map_or(&entry.name_place, |longest| &longest.place);
@@ -124,6 +126,7 @@ pub fn transient(
             file: form.file.value.clone(),
             sha256: data.sha256.clone(),
             unused_columns: columns.unused.clone(),
+            time_zero_s,
             follows_gap: part > 0,
             doubts: Vec::new(),
         };
@@ -142,6 +145,17 @@ fn max_gap(scope: &mut Scope, form: &TransientForm) -> Result<Option<f64>, ()> {
         return Ok(Some(longest));
     }
     scope.error(&code::OUT_OF_RANGE, &amount.place, format!("a gap of {longest} s"), "a time above 0 s");
+    Err(())
+}
+
+/// When the file's time is 0, s since 1970-01-01; an error where it is no date.
+fn time_zero(scope: &mut Scope, form: &TransientForm) -> Result<Option<f64>, ()> {
+    let Some(text) = &form.time_zero else { return Ok(None) };
+    if let Some(seconds) = dated(&text.value).filter(|seconds| seconds.is_finite()) {
+        return Ok(Some(seconds));
+    }
+    let message = format!("`{}` is no date and time", text.value);
+    scope.error(&code::OUT_OF_RANGE, &text.place, message, "such as 2026-03-14T06:00:00");
     Err(())
 }
 

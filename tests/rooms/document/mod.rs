@@ -1,3 +1,4 @@
+mod calendar;
 mod canonical;
 mod code;
 mod declare;

@@ -26,3 +26,17 @@ fn every_file_is_listed_and_right() {
         assert!(form.evidence.is_some() && form.source.len() > 10, "{} has a source", effect.name);
     }
 }
+
+#[test]
+fn what_only_stores_heat_shows_in_no_steady_phase() {
+    let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+    let stores = |name: &str, place: &str| catalogue.get(name).expect("an effect").only_stores(place);
+    for (name, place) in [("thermal-mass", "node"), ("path-capacity", "conductor"), ("hidden-node", "node")] {
+        assert!(stores(name, place), "{name}");
+        assert!(!catalogue.get(name).expect("an effect").form.seen_by.contains(&bmv::effect::form::SeenBy::Steady));
+    }
+    // Between two nodes it leads heat; a drift changes what is read.
+    for (name, place) in [("hidden-node", "nodes"), ("conductive-path", "nodes"), ("sensor-drift", "sensor")] {
+        assert!(!stores(name, place), "{name}");
+    }
+}

@@ -56,6 +56,7 @@ fn blocks_that_tell_their_share_are_carried_on_and_stages_to_come_are_not_promis
     assert!(matches!(last, Left::About(left_s) if (left_s - 81.6).abs() < 1e-6), "{last:?}");
     assert_eq!(last.text().as_deref(), Some("about 82 s left"));
     assert_eq!(Left::AtLeast(90.0).text().as_deref(), Some("at least 90 s left"));
+    assert_eq!([Left::AtLeast(0.0).text(), Left::About(0.3).text()], [None, None]);
 }
 
 #[test]

@@ -188,6 +188,7 @@ impl Diagnosis {
             noise: noise(&problem, state),
             discriminating_experiment: discrimination.experiment,
             one_thing: discrimination.one_thing,
+            only_in_transients: discrimination.only_in_transients,
             heat,
             goes_with,
             held_out_test,

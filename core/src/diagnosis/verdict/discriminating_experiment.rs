@@ -1,5 +1,6 @@
 //! The experiment that parts rivals: a steady phase, within the stated ranges of the inputs that can be set, in which the
-//! rivals' predictions lie furthest apart once each has been fitted to the old data and the new.
+//! rivals' predictions lie furthest apart once each has been fitted to the old data and the new. Rivals that differ in what
+//! stores heat alone are parted by no such phase, but by a step: see `discriminating_step`.
 //!
 //! With the whitened difference `m` of two rivals' predictions, `F` the derivatives of the second's and `C` the covariance
 //! of its parameters after the old data: `delta^2 = m' (I + F C F')^-1 m`, and the better one is recognised with probability
@@ -7,20 +8,17 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
-
-use crate::diagnosis::linearisation::signature::linearise;
-use crate::diagnosis::output::{DiscriminatingExperiment, OneThing, Setting};
+use crate::diagnosis::output::{DiscriminatingExperiment, OneThing, OnlyInTransients, Setting};
+use crate::diagnosis::verdict::discriminating_step;
 use crate::diagnosis::verdict::findings::Findings;
+use crate::diagnosis::verdict::rival::{Predicted, Rival, square};
+use crate::diagnosis::verdict::tested::Tested;
 use crate::diagnosis::{Problem, Refit};
-use crate::inference::information::separation;
-use crate::inference::likelihood::{Definition, Likelihood};
-use crate::inference::target::{LeastSquares, Target};
-use crate::math::cholesky;
 use crate::math::special::normal_cdf;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::{Measurement, Phase, Rows};
 use crate::random::{PointKind, Points, StreamKey};
+use crate::thermal::Model;
 use crate::watch;
 
 /// Conditions that are tried at first, beside the corners.
@@ -32,12 +30,14 @@ const MOST_CORNERS: usize = 7;
 /// A phase in which a sensor would read so much more than any did, K, is not proposed: where a conductance is extrapolated to
 /// nothing, the model has no meaning.
 const MEANINGLESS_K: f64 = 1000.0;
-const ROOM_K: f64 = 293.15;
 /// Most rivals that are considered.
 const MOST_RIVALS: usize = 5;
 
 /// Probability of telling two hypotheses apart below which an experiment is little better than a coin.
 const USEFUL: f64 = 0.6;
+/// Probability of telling two hypotheses apart from which an experiment is worth a test by itself: the right one then stands at
+/// four to one on average, a wrong answer in five tests.
+const WORTH_A_TEST: f64 = 0.8;
 
 /// What would part the selected set and its rivals.
 #[derive(Default)]
@@ -46,6 +46,8 @@ pub(crate) struct Discrimination {
     pub experiment: Option<DiscriminatingExperiment>,
     /// Those that none parts.
     pub one_thing: Option<OneThing>,
+    /// Those that none can part, since they differ in what stores heat alone.
+    pub only_in_transients: Option<OnlyInTransients>,
 }
 
 /// The probability with which two hypotheses of so large a squared distance are told apart.
@@ -56,6 +58,11 @@ pub fn distinguishing_probability(square: f64) -> f64 {
 /// Whether an experiment with this probability of telling hypotheses apart is worth its cost.
 pub fn is_useful(probability: f64) -> bool {
     probability >= USEFUL
+}
+
+/// Whether an experiment with this probability of telling hypotheses apart is worth a test by itself.
+pub fn is_worth_a_test(probability: f64) -> bool {
+    probability >= WORTH_A_TEST
 }
 
 /// The experiment that parts the rivals of the selected set, and those rivals that no phase within the limits parts from it.
@@ -71,30 +78,73 @@ fn parted(findings: &Findings<'_>) -> Option<Discrimination> {
     if fits.len() < 2 {
         return None;
     }
-    let settable: Vec<(usize, [f64; 2])> = (problem.model.inputs.iter().enumerate())
+    let all: Vec<Rival> = fits.iter().map(|fit| Rival::new(problem, fit)).collect::<Option<_>>()?;
+    let (first, others) = all.split_first()?;
+    let (mut of_storage, mut of_steady) = (vec![first], vec![first]);
+    for rival in others {
+        let list = if differ_in_storage(problem, first.fit, rival.fit) { &mut of_storage } else { &mut of_steady };
+        list.push(rival);
+    }
+    let in_steady = (of_steady.len() > 1).then(|| in_steady_phases(findings, &of_steady)).flatten();
+    let in_steady = in_steady.unwrap_or_default();
+    let only_in_transients = (of_storage.len() > 1).then(|| OnlyInTransients {
+        between: of_storage.iter().map(|rival| named(findings, rival.fit)).collect(),
+        step: discriminating_step::best(problem, &of_storage),
+    });
+    Some(Discrimination { only_in_transients, ..in_steady })
+}
+
+/// The ids of a set.
+fn named(findings: &Findings<'_>, fit: &Refit) -> String {
+    let ids: Vec<&str> = fit.effects.iter().map(|&effect| findings.id(effect)).collect();
+    ids.join(" + ")
+}
+
+/// Whether two sets differ in what stores heat alone, so that no steady phase can part them: what their shared unknowns were
+/// fitted to is all that they predict apart there.
+fn differ_in_storage(problem: &Problem, a: &Refit, b: &Refit) -> bool {
+    let stores = |&effect: &usize| {
+        let candidate = &problem.candidates[effect];
+        problem.catalogue.get(&candidate.effect).is_some_and(|own| own.only_stores(candidate.where_kind))
+    };
+    let only_in = |a: &Refit, b: &Refit| a.effects.iter().filter(|own| !b.effects.contains(own)).all(stores);
+    only_in(a, b) && only_in(b, a)
+}
+
+/// Inputs that can be set, with their ranges.
+pub(super) fn settable(model: &Model) -> Vec<(usize, [f64; 2])> {
+    (model.inputs.iter().enumerate())
         .filter_map(|(index, input)| Some((index, input.range.filter(|r| input.settable && r[0] < r[1])?)))
-        .collect();
+        .collect()
+}
+
+/// A value of an input as a result states it.
+pub(super) fn setting(model: &Model, index: usize, value: f64) -> Setting {
+    let unit = crate::expression::Unit::parse(&model.inputs[index].unit);
+    Setting { value, unit: unit.map(|unit| unit.dimension.to_string()).unwrap_or_default() }
+}
+
+/// The steady phase that parts rivals from the first, and those that none parts.
+fn in_steady_phases(findings: &Findings<'_>, rivals: &[&Rival<'_>]) -> Option<Discrimination> {
+    let problem = findings.problem;
+    let settable = settable(&problem.model);
     if settable.is_empty() {
         return None;
     }
     let template = template(problem)?;
     let nominal: Vec<f64> = problem.model.inputs.iter().map(|input| input.nominal).collect();
-    let rivals: Vec<Rival> = fits.iter().map(|fit| Rival::new(problem, fit)).collect::<Option<_>>()?;
-    let judge = |conditions: &[Vec<f64>]| judge(problem, &rivals, &template, conditions);
+    let judge = |conditions: &[Vec<f64>]| judge(problem, rivals, &template, conditions);
     let first = judge(&spread(&settable, &nominal))?;
     let old = old_conditions(problem);
     let repeated = if old.is_empty() { Vec::new() } else { judge(&old)? };
-    let of = |fit: &Refit| {
-        let ids: Vec<&str> = fit.effects.iter().map(|&effect| findings.id(effect)).collect();
-        ids.join(" + ")
-    };
+    let of = |rival: usize| named(findings, rivals[rival].fit);
     // Of each rival by itself: whether any phase parts it from the selected set.
     let probability = |list: &[Judged], rival: usize| {
         greatest(list, &[rival]).map_or(0.5, |best| distinguishing_probability(best.square(&[rival])))
     };
     let mut alike = Vec::new();
     let mut others = Vec::new();
-    for rival in 0..fits.len() - 1 {
+    for rival in 0..rivals.len() - 1 {
         let (best, again) = (probability(&first, rival), probability(&repeated, rival));
         if is_useful(best) {
             others.push(rival);
@@ -103,12 +153,12 @@ fn parted(findings: &Findings<'_>) -> Option<Discrimination> {
         }
     }
     let one_thing = (!alike.is_empty()).then(|| OneThing {
-        sets: std::iter::once(of(fits[0])).chain(alike.iter().map(|&(rival, _, _)| of(fits[rival + 1]))).collect(),
+        sets: std::iter::once(of(0)).chain(alike.iter().map(|&(rival, _, _)| of(rival + 1))).collect(),
         probability: alike.iter().map(|own| own.1).fold(0.5, f64::max),
         repeat_probability: alike.iter().map(|own| own.2).fold(0.5, f64::max),
     });
     if others.is_empty() {
-        return Some(Discrimination { experiment: None, one_thing });
+        return Some(Discrimination { one_thing, ..Discrimination::default() });
     }
     if !is_useful(distinguishing_probability(greatest(&first, &others)?.square(&others))) {
         // No phase parts all of them at once: the most probable goes first.
@@ -119,96 +169,23 @@ fn parted(findings: &Findings<'_>) -> Option<Discrimination> {
     let best = greatest(&near, &others).filter(|other| other.square(&others) > best.square(&others)).unwrap_or(best);
     let repeat = greatest(&repeated, &others);
     let conditions = settable.iter().map(|&(index, _)| {
-        let input = &problem.model.inputs[index];
-        let unit =
-            crate::expression::Unit::parse(&input.unit).map(|unit| unit.dimension.to_string()).unwrap_or_default();
-        (input.name.clone(), Setting { value: best.inputs[index], unit })
+        (problem.model.inputs[index].name.clone(), setting(&problem.model, index, best.inputs[index]))
     });
     let told_apart = || std::iter::once(0).chain(others.iter().map(|rival| rival + 1));
     let sensors = template.sensors.iter().enumerate();
     let predicted = |place: usize| told_apart().map(|rival| best.predictions[rival][place]).collect();
     let experiment = DiscriminatingExperiment {
-        between: told_apart().map(|rival| of(fits[rival])).collect(),
+        between: told_apart().map(of).collect(),
         conditions: conditions.collect(),
         probability: distinguishing_probability(best.square(&others)),
         repeat_probability: repeat.map_or(0.5, |repeat| distinguishing_probability(repeat.square(&others))),
         limits_ok: best.within_limits,
+        near_tested: best.near_tested,
         predictions: sensors
             .map(|(place, sensor)| (sensor.name.clone(), predicted(place)))
             .collect::<BTreeMap<_, Vec<f64>>>(),
     };
-    Some(Discrimination { experiment: Some(experiment), one_thing })
-}
-
-/// A rival hypothesis at its fit.
-struct Rival<'a> {
-    fit: &'a Refit,
-    problem: Problem,
-    /// Covariance of its unknowns after the old data.
-    covariance: DMatrix<f64>,
-}
-
-impl<'a> Rival<'a> {
-    fn new(problem: &Problem, fit: &'a Refit) -> Option<Self> {
-        let with = problem.with(fit).ok()?;
-        let likelihood = with.hypothesis(&[], 1.0).ok()?.likelihood(&with).ok()?;
-        let linear = linearise(&likelihood, &fit.unknowns).ok()?;
-        let n = linear.parameters();
-        let free: Vec<usize> = (0..n).filter(|&i| linear.lower[i] < 0.0 && linear.upper[i] > 0.0).collect();
-        let k = free.len();
-        let mut information = vec![0.0; k * k];
-        for row in linear.jacobian.chunks_exact(n.max(1)) {
-            for (a, &i) in free.iter().enumerate() {
-                for (b, &j) in free.iter().enumerate() {
-                    information[a * k + b] += row[i] * row[j];
-                }
-            }
-        }
-        // What the data leave open is left to the box: a parameter cannot be less certain than its range.
-        for (a, &i) in free.iter().enumerate() {
-            let width = linear.upper[i] - linear.lower[i];
-            if width.is_finite() && width > 0.0 {
-                information[a * k + a] += 12.0 / (width * width);
-            }
-        }
-        cholesky::factor(&mut information, k).ok()?;
-        let inverse = cholesky::inverse(&information, k);
-        let mut covariance = DMatrix::zeros(n, n);
-        for (a, &i) in free.iter().enumerate() {
-            for (b, &j) in free.iter().enumerate() {
-                covariance[(i, j)] = inverse[a * k + b];
-            }
-        }
-        Some(Self { fit, problem: with, covariance })
-    }
-
-    /// Whitened predictions and derivatives at steady conditions; rows are in the order of the likelihood's data.
-    fn at(&self, measurement: &Measurement) -> Option<(Likelihood, Vec<f64>, Vec<f64>)> {
-        let problem = Problem { measurements: vec![measurement.clone()], ..self.problem.clone() };
-        let likelihood = Likelihood::new(&Definition {
-            model: &problem.model,
-            priors: &problem.priors,
-            parameters: &problem.parameters,
-            measurements: &[measurement],
-            input_errors: &problem.input_errors,
-        })
-        .ok()?;
-        let likelihood = problem.informed(likelihood, &[]);
-        let known = self.fit.by_name();
-        let at: Vec<f64> = likelihood.names().iter().map(|name| known.get(name).copied()).collect::<Option<_>>()?;
-        let linear = linearise(&likelihood, &at).ok()?;
-        let (rows, n) = (likelihood.residual_count(), linear.parameters());
-        // In the order of the fit's unknowns, some of which steady phases do not have.
-        let all = self.fit.names.len();
-        let mut jacobian = vec![0.0; rows * all];
-        for (column, name) in likelihood.names().iter().enumerate() {
-            let place = self.fit.names.iter().position(|known| known == name)?;
-            for row in 0..rows {
-                jacobian[row * all + place] = linear.jacobian[row * n + column];
-            }
-        }
-        Some((likelihood, linear.residuals[..rows].to_vec(), jacobian))
-    }
+    Some(Discrimination { experiment: Some(experiment), one_thing, only_in_transients: None })
 }
 
 /// Steady conditions as they were judged.
@@ -217,7 +194,10 @@ struct Judged {
     inputs: Vec<f64>,
     /// Squared distance of the selected set from each rival.
     squares: Vec<f64>,
+    /// Whether no red limit of a node is passed.
     within_limits: bool,
+    /// Whether no sensor reads far from all readings so far, but where the node's limits allow it.
+    near_tested: bool,
     /// Readings that each rival predicts, SI.
     predictions: Vec<Vec<f64>>,
 }
@@ -230,11 +210,18 @@ impl Judged {
     }
 }
 
-/// The best within the limits at parting some rivals from the selected set.
+/// The best at parting some rivals from the selected set. What the hardware bears goes first: within the limits and near what was
+/// tested where a phase there is worth a test, else within the limits.
 fn greatest(list: &[Judged], rivals: &[usize]) -> Option<Judged> {
-    let within = list.iter().any(|one| one.within_limits);
-    let fitting = list.iter().filter(|one| one.within_limits || !within);
-    fitting.reduce(|best, next| if next.square(rivals) > best.square(rivals) { next } else { best }).cloned()
+    let of = |is_allowed: &dyn Fn(&Judged) -> bool| {
+        let fitting = list.iter().filter(|one| is_allowed(one));
+        fitting.reduce(|best, next| if next.square(rivals) > best.square(rivals) { next } else { best })
+    };
+    let near = of(&|one| one.within_limits && one.near_tested);
+    near.filter(|near| is_worth_a_test(distinguishing_probability(near.square(rivals))))
+        .or_else(|| of(&|one| one.within_limits))
+        .or_else(|| of(&|_| true))
+        .cloned()
 }
 
 /// A steady measurement of one phase with the sensors of the data; in transients as they are in their first.
@@ -270,11 +257,11 @@ fn at_conditions(template: &Measurement, conditions: &[Vec<f64>]) -> Measurement
 
 fn judge(
     problem: &Problem,
-    rivals: &[Rival<'_>],
+    rivals: &[&Rival<'_>],
     template: &Measurement,
     conditions: &[Vec<f64>],
 ) -> Option<Vec<Judged>> {
-    let mut all = Vec::new();
+    let mut all: Vec<Predicted> = Vec::new();
     for rival in rivals {
         // Sensors as this rival changes them.
         let mut own = template.clone();
@@ -286,72 +273,50 @@ fn judge(
     }
     let width = template.sensors.len();
     let predictor = Predictor::new(&rivals[0].problem.model, &[]).ok()?;
-    let full = all[0].0.full_parameters(&ordered(&all[0].0, rivals[0].fit)?);
+    let full = rivals[0].full_parameters(&all[0])?;
     let predicted =
         predictor.predict(&mut predictor.workspace(), &at_conditions(template, conditions), &full).temperatures;
     let nodes = rivals[0].problem.model.nodes.len();
     let is_temperature = |sensor: usize| problem.model.quantities[template.sensors[sensor].quantity].is_temperature;
-    let warmest = warmest_reading(problem);
+    let tested = Tested::of(problem);
     let mut judged = Vec::new();
     for (number, inputs) in conditions.iter().enumerate() {
         watch::check();
         let mut squares = Vec::new();
-        for (rival, (likelihood, residuals, jacobian)) in rivals.iter().zip(&all).skip(1) {
-            let rows: Vec<usize> = (0..residuals.len()).filter(|&row| likelihood.data()[row].row == number).collect();
-            let n = rival.fit.names.len();
-            let of = |residuals: &[f64]| -> Vec<f64> { rows.iter().map(|&row| residuals[row]).collect() };
-            let slopes: Vec<f64> = rows.iter().flat_map(|row| &jacobian[row * n..(row + 1) * n]).copied().collect();
-            // Whitened; residuals of readings of 0 are minus the predictions, and the distance knows no sign.
-            let noise: Vec<f64> =
-                (0..rows.len() * rows.len()).map(|k| f64::from(u8::from(k % (rows.len() + 1) == 0))).collect();
-            let mean = of(residuals);
-            let other = separation::Rival {
-                mean: &mean,
-                derivatives: &slopes,
-                covariance: rival.covariance.as_slice(),
-                parameters: n,
-            };
-            let own = separation::from_truth(&of(&all[0].1), &other, &noise).map_or(0.0, |own| own.distance_squared);
-            squares.push(own);
+        for (rival, own) in rivals.iter().zip(&all).skip(1) {
+            let data = own.likelihood.data();
+            let rows: Vec<usize> = (0..own.residuals.len()).filter(|&row| data[row].row == number).collect();
+            squares.push(square(&all[0], rival, own, &rows));
         }
-        let within = (0..nodes.min(problem.model.nodes.len())).all(|node| {
-            let temperature = predicted[number * nodes + node];
-            let red = problem.model.nodes[node].limits.red;
-            !red.is_some_and(|[lower, upper]| temperature < lower || temperature > upper)
-        });
-        let reading = |(likelihood, residuals, _): &(Likelihood, Vec<f64>, Vec<f64>)| {
+        let within = is_within_limits(&problem.model, &predicted[number * nodes..(number + 1) * nodes]);
+        let reading = |own: &Predicted| {
             let mut readings = vec![f64::NAN; width];
-            for (row, datum) in likelihood.data().iter().enumerate().filter(|(_, d)| d.row == number) {
+            for (row, datum) in own.likelihood.data().iter().enumerate().filter(|(_, d)| d.row == number) {
                 // The readings stand as 0, so that the residual is minus the prediction in units of the noise.
                 let sigma = template.sensors[datum.sensor].sigma.as_ref().map_or(1.0, |sigma| sigma.nominal());
-                readings[datum.sensor] = -residuals[row] * sigma;
+                readings[datum.sensor] = -own.residuals[row] * sigma;
             }
             readings
         };
         let predictions: Vec<Vec<f64>> = all.iter().map(reading).collect();
         let is_meaningless =
-            |(sensor, value): (usize, &f64)| is_temperature(sensor) && *value > warmest + MEANINGLESS_K;
+            |(sensor, value): (usize, &f64)| is_temperature(sensor) && *value > tested.warmest_k() + MEANINGLESS_K;
         if predictions.iter().any(|readings| readings.iter().enumerate().any(is_meaningless)) {
             continue;
         }
-        judged.push(Judged { inputs: inputs.clone(), squares, within_limits: within, predictions });
+        let is_near =
+            |(sensor, value): (usize, &f64)| tested.is_near(&problem.model, template.sensors[sensor].quantity, *value);
+        let near_tested = predictions.iter().all(|readings| readings.iter().enumerate().all(is_near));
+        judged.push(Judged { inputs: inputs.clone(), squares, within_limits: within, near_tested, predictions });
     }
     Some(judged)
 }
 
-/// The highest temperature that was read, K; that of a room where none was.
-fn warmest_reading(problem: &Problem) -> f64 {
-    let readings = problem.measurements.iter().flat_map(|own| {
-        let of_temperature = |&sensor: &usize| problem.model.quantities[own.sensors[sensor].quantity].is_temperature;
-        let sensors = (0..own.sensors.len()).filter(of_temperature);
-        sensors.flat_map(move |sensor| (0..own.len()).filter_map(move |row| own.reading(row, sensor)))
-    });
-    readings.fold(ROOM_K, f64::max)
-}
-
-fn ordered(likelihood: &Likelihood, fit: &Refit) -> Option<Vec<f64>> {
-    let known = fit.by_name();
-    likelihood.names().iter().map(|name| known.get(name).copied()).collect()
+/// Whether temperatures of the nodes, K, pass no red limit.
+pub(super) fn is_within_limits(model: &Model, temperatures: &[f64]) -> bool {
+    model.nodes.iter().zip(temperatures).all(|(node, &temperature)| {
+        !node.limits.red.is_some_and(|[lower, upper]| temperature < lower || temperature > upper)
+    })
 }
 
 /// Corners of the ranges, and Sobol points within.

@@ -1,12 +1,13 @@
 //! From fits to the verdict and its sentences.
 //!
-//! `collinear`: inputs that move together. `conclude`: the verdict. `discriminating_experiment`: the test that would part rivals. `findings`: the sets, weighed. `few_readings`, `hints`, `trend`, `still`
+//! `collinear`: inputs that move together. `conclude`: the verdict. `discriminating_experiment`, `discriminating_step`: the tests that would part rivals, `rival`: what one of these predicts there, `tested`: what the data have tested. `findings`: the sets, weighed. `few_readings`, `hints`, `trend`, `still`
 //! (channels that stand still while the model moves): what to check first. `laws`: laws that describe a curve. `lumped_nodes`: errors that every
 //! network has. `nearly_as_good`: rivals within the model error. `results`: what is written out. `selection`: which set goes first. `small_effects`: what errors of the model may be. `words`: the sentences.
 
 pub mod collinear;
 pub(crate) mod conclude;
 pub mod discriminating_experiment;
+mod discriminating_step;
 pub mod everywhere;
 pub mod few_readings;
 mod findings;
@@ -15,8 +16,10 @@ mod laws;
 pub mod lumped_nodes;
 mod nearly_as_good;
 mod results;
+mod rival;
 pub mod selection;
 pub mod small_effects;
 pub mod still;
+mod tested;
 pub mod trend;
 pub mod words;

@@ -14,6 +14,7 @@ use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::Step;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;
+use crate::diagnosis::verdict::words;
 use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::exp;
 use crate::math::sum::log_sum_exp;
@@ -112,6 +113,9 @@ impl Diagnosis {
             let curve = results.iter().position(is_curve).map_or(results.len(), |position| position + 1);
             results.insert(curve, law);
         }
+        for result in &mut results {
+            result.since = words::since(result, findings.problem);
+        }
         results
     }
 
@@ -158,6 +162,7 @@ impl Diagnosis {
             changes_nothing: changes_nothing(before, refit),
             group,
             amplitudes,
+            since: None,
             rmse_k: RmseChange {
                 train: [before.rmse_train_k, refit.rmse_train_k],
                 held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],

@@ -3,24 +3,26 @@
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
 use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::output::{
-    Amount, DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict,
+    Amount, DiscriminatingExperiment, DiscriminatingStep, EffectResult, OneThing, OnlyInTransients, Output, RISES,
+    Setting, StoryStep, Verdict,
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::rises;
+use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::small_effects::{IS_MODEL_ERROR, is_curve_of_few_phases};
+use crate::diagnosis::verdict::tested::{self, FAR_BEYOND_K, Tested};
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
 use crate::document::{counted, p_stated, percent, upper};
 use crate::effect::Effect;
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
-use crate::measurement::{Measurement, Rows};
+use crate::measurement::{Rows, calendar};
 use crate::random::Distribution;
+use crate::thermal::Model;
 
 /// The first parameter of a curve.
 const FIRST_KNOT: &str = "knot_1";
-/// A proposed phase this far beyond all readings is remarked on, K.
-const FAR_BEYOND_K: f64 = 30.0;
 /// Standard deviations between the mean and the most probable value from which both are stated.
 const ELSEWHERE: f64 = 0.1;
 /// Share of the model error that is allowed for below which what remains beside all steps is stated too.
@@ -60,8 +62,20 @@ fn date(effect: &EffectResult, problem: &Problem) -> String {
     let after = phases.partition_point(|phase| phase.0 <= when);
     match (after.checked_sub(1).map(|before| phases[before].1), phases.get(after)) {
         (Some(before), Some((_, after))) => format!(", between the phases {before} and {after}"),
-        _ => format!(", from {} {} on", with_error(amount.value, amount.sd), amount.unit),
+        _ => {
+            // Stretches of a record are told in hours.
+            let (scale, unit) = if amount.unit == "s" { (3600.0, "h") } else { (1.0, amount.unit.as_str()) };
+            let when = with_error(amount.value / scale, amount.sd / scale);
+            let since = effect.since.as_ref().map_or_else(String::new, |since| format!(" ({since})"));
+            format!(", from {when} {unit}{since} on")
+        }
     }
+}
+
+/// Date and time from which on an effect is there, where that is known.
+pub(super) fn since(effect: &EffectResult, problem: &Problem) -> Option<String> {
+    let (when, _) = dated(effect, problem)?;
+    calendar(&problem.model, &problem.measurements, when)
 }
 
 /// The parameter that says when an effect sets in, with its most probable value.
@@ -232,6 +246,12 @@ pub fn short(value: f64, digits: usize) -> String {
     format!("{value:.*}", (digits as f64 - 1.0 - power).max(0.0) as usize)
 }
 
+/// The same without zeros at its end.
+pub fn rounded(value: f64, digits: usize) -> String {
+    let text = short(value, digits);
+    text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
+}
+
 /// How clear a misfit is, from the p-value of all tests together.
 pub fn clearness(p: f64, false_alarm: f64) -> String {
     if p > false_alarm {
@@ -257,6 +277,77 @@ fn joined(names: &[String]) -> String {
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => names.concat(),
+    }
+}
+
+impl OnlyInTransients {
+    /// That no steady phase can part the sets, and the step that does, in sentences.
+    pub fn in_words(&self, model: &Model) -> String {
+        format!("{}.", upper(&self.clause(model)))
+    }
+
+    /// The same in short.
+    pub fn in_brief(&self, model: &Model) -> String {
+        let none = "No steady phase can tell what stores heat apart";
+        let Some(step) = &self.step else { return format!("{none}.") };
+        let (what, time, probability) = (step.in_words(model), time(step.duration_s), percent(step.probability));
+        let guess = if is_worth_a_test(step.probability) { "" } else { ", guessing with 50 %" };
+        format!("{none}; {what}, watched for {time}, would with probability {probability}{guess}.")
+    }
+
+    /// The same at length, to follow a semicolon.
+    pub fn clause(&self, model: &Model) -> String {
+        let none = format!(
+            "no steady phase can tell {} apart: they differ in what stores heat, which shows while temperatures change",
+            joined(&self.between)
+        );
+        let Some(step) = &self.step else {
+            return format!("{none}; a step of an input would, but none that can be set has a range");
+        };
+        let about = match (step.limits_ok, step.near_tested) {
+            (false, _) => ", but red limits of a node are passed",
+            (true, false) => ", but sensors would read far beyond all readings so far",
+            (true, true) => "",
+        };
+        let beyond = if step.was_set { "" } else { ", farther than it was set so far" };
+        let what = format!(
+            "{}{beyond}, the other inputs as at the beginning of {}, watched for {} ({} time constants of {}, the slowest)",
+            step.in_words(model),
+            step.like,
+            time(step.duration_s),
+            rounded(step.duration_s / step.time_constant_s, 2),
+            step.slowest,
+        );
+        let probability = percent(step.probability);
+        match is_worth_a_test(step.probability) {
+            true => format!("{none}; {what}, would with probability {probability}{about}"),
+            false => format!(
+                "{none}; no step within the stated ranges is worth a test by itself: the best, {what}, would with probability {probability}, guessing with 50 %{about}"
+            ),
+        }
+    }
+}
+
+impl DiscriminatingStep {
+    /// The step, as in `a step of P_heater from 0 to 10 W`.
+    pub fn in_words(&self, model: &Model) -> String {
+        let written = model.inputs.iter().find(|input| input.name == self.input).map(|input| input.unit.as_str());
+        let unit = written.unwrap_or(self.from.unit.as_str());
+        let parsed = Unit::parse(unit).ok();
+        let shown =
+            |setting: &Setting| rounded(parsed.as_ref().map_or(setting.value, |unit| unit.from_si(setting.value)), 3);
+        let text = if unit == "1" { String::new() } else { format!(" {unit}") };
+        format!("a step of {} from {} to {}{text}", self.input, shown(&self.from), shown(&self.to))
+    }
+}
+
+/// A duration in the unit that suits it.
+pub fn time(seconds: f64) -> String {
+    match seconds {
+        short_time if short_time < 120.0 => format!("{} s", rounded(short_time, 2)),
+        middling if middling < 7200.0 => format!("{} min", rounded(middling / 60.0, 2)),
+        long if long < 172_800.0 => format!("{} h", rounded(long / 3600.0, 2)),
+        days => format!("{} d", rounded(days / 86_400.0, 2)),
     }
 }
 
@@ -378,33 +469,22 @@ fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
 
 /// That a proposed phase goes far beyond all readings so far.
 fn beyond_what_was_measured(experiment: &DiscriminatingExperiment, problem: &Problem) -> Option<String> {
-    let kelvin = |measurement: &Measurement, sensor: usize| {
-        problem.model.quantities[measurement.sensors[sensor].quantity].is_temperature
+    let tested = Tested::of(problem);
+    let [low, high] = tested.temperatures_k?;
+    let is_temperature = |name: &str| {
+        let mut own = problem.measurements.iter().flat_map(|own| &own.sensors).filter(|sensor| sensor.name == name);
+        own.any(|sensor| problem.model.quantities[sensor.quantity].is_temperature)
     };
-    let mut measured = [f64::INFINITY, f64::NEG_INFINITY];
-    let mut names = Vec::new();
-    for own in &problem.measurements {
-        for sensor in (0..own.sensors.len()).filter(|&sensor| kelvin(own, sensor)) {
-            names.push(own.sensors[sensor].name.as_str());
-            for reading in (0..own.len()).filter_map(|row| own.reading(row, sensor)) {
-                measured = [measured[0].min(reading), measured[1].max(reading)];
-            }
-        }
-    }
-    let predicted = experiment.predictions.iter().filter(|(sensor, _)| names.contains(&sensor.as_str()));
+    let predicted = experiment.predictions.iter().filter(|(sensor, _)| is_temperature(sensor));
     let predicted = predicted.flat_map(|(sensor, values)| values.iter().map(move |value| (sensor, *value)));
     let predicted = predicted.filter(|(_, value)| value.is_finite());
-    if measured[0] > measured[1] {
-        return None;
-    }
-    let beyond = |value: f64| (value - measured[1]).max(measured[0] - value);
-    let (sensor, value) = predicted.max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)))?;
-    (beyond(value) > FAR_BEYOND_K).then(|| {
+    let (sensor, value) = predicted.max_by(|a, b| tested.beyond_k(a.1).total_cmp(&tested.beyond_k(b.1)))?;
+    (tested.beyond_k(value) > FAR_BEYOND_K).then(|| {
         format!(
             "There `{sensor}` would read {:.0} degC, while all readings so far lie between {:.0} and {:.0} degC: is the hardware made for that?",
             value - CELSIUS_ZERO_K,
-            measured[0] - CELSIUS_ZERO_K,
-            measured[1] - CELSIUS_ZERO_K
+            low - CELSIUS_ZERO_K,
+            high - CELSIUS_ZERO_K
         )
     })
 }
@@ -439,18 +519,7 @@ pub fn beyond_what_was_set(experiment: &DiscriminatingExperiment, problem: &Prob
     let mut outside: Vec<String> = Vec::new();
     for (index, input) in problem.model.inputs.iter().enumerate() {
         let Some(setting) = experiment.conditions.get(&input.name) else { continue };
-        let mut tested: Option<[f64; 2]> = None;
-        for own in &problem.measurements {
-            for row in (0..own.len()).filter(|&row| !own.ignored(row)) {
-                let value = match &own.rows {
-                    Rows::Steady(phases) => phases[row].inputs[index],
-                    Rows::Transient { inputs, .. } => inputs.in_row(row, index),
-                };
-                let [low, high] = tested.unwrap_or([value, value]);
-                tested = Some([low.min(value), high.max(value)]);
-            }
-        }
-        let Some([low, high]) = tested else { continue };
+        let Some([low, high]) = tested::input(&problem.measurements, index) else { continue };
         let near = NEARLY_TESTED * (high - low).abs();
         if (low - near..=high + near).contains(&setting.value) {
             continue;
@@ -647,12 +716,14 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         }
         words.extend(of_gas(&output.effects, findings.problem));
         words.extend(output.one_thing.as_ref().map(OneThing::in_words));
+        words.extend(output.only_in_transients.as_ref().map(|own| own.in_words(&findings.problem.model)));
         if let Some(experiment) = &output.discriminating_experiment {
             words.push(format!(
-                "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.",
+                "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.{}",
                 joined(&experiment.between),
                 percent(experiment.probability),
-                percent(experiment.repeat_probability)
+                percent(experiment.repeat_probability),
+                if is_worth_a_test(experiment.probability) { "" } else { " Guessing does so with 50 %: it is not worth a test by itself." }
             ));
             words.extend(beyond_what_was_set(experiment, findings.problem));
             words.extend(beyond_what_was_measured(experiment, findings.problem));

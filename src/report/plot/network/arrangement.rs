@@ -15,6 +15,8 @@ const NAME: f64 = 330.0;
 /// Lines of a name in the picture, and of one below it.
 const MOST_LINES: usize = 3;
 const MOST_LISTED: usize = 5;
+/// Names below the picture from which on none of what the model has is added; half of that below a narrow one.
+const MOST_OWN: usize = 8;
 
 /// A name in the picture, or the number under which it stands below.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,11 +90,18 @@ struct Name {
     text: String,
     lines: Vec<String>,
     colour: Colour,
+    /// Of what is adopted or missing; else of what the model has.
+    is_bold: bool,
 }
 
 impl Name {
     fn new(text: &str, colour: Colour, width: f64) -> Self {
-        Self { text: text.to_owned(), lines: lines(text, SMALL, width), colour }
+        Self { text: text.to_owned(), lines: lines(text, SMALL, width), colour, is_bold: true }
+    }
+
+    /// Of something that the model has.
+    fn own(text: &str, colour: Colour, width: f64) -> Self {
+        Self { is_bold: false, ..Self::new(text, colour, width) }
     }
 
     /// Places it by a search for room of a size: its own first, where it has few lines, then that of a number. What was found
@@ -104,19 +113,27 @@ impl Name {
         search: impl Fn(&Room, (f64, f64)) -> Option<(T, (f64, f64))>,
     ) -> Option<T> {
         let size = text_size(&self.lines, SMALL);
-        let whole = if self.lines.len() <= MOST_LINES { search(room, size) } else { None };
+        let most = if self.is_bold { MOST_LINES } else { MOST_LINES - 1 };
+        let whole = if self.lines.len() <= most { search(room, size) } else { None };
         let (found, lines, size) = match whole {
             Some(found) => (found, self.lines.clone(), size),
             None => {
-                let number = vec![out.list(&self.text, self.colour)];
+                let number = vec![(out.listed.len() + 1).to_string()];
                 let size = text_size(&number, SMALL);
-                (search(room, size)?, number, size)
+                let is_full = out.listed.len() >= if out.frame.0 > f64::from(NARROW) { MOST_OWN } else { MOST_OWN / 2 };
+                let found = if !self.is_bold && is_full { None } else { search(room, size) };
+                if found.is_none() && !self.is_bold {
+                    // What the model has stands in the table too.
+                    return None;
+                }
+                out.list(&self.text, self.colour);
+                (found?, number, size)
             }
         };
         let area = (found.1, size);
         room.taken.push(area);
         let is_number = self.lines != lines;
-        out.labels.push(Label { lines, area, colour: self.colour, is_bold: true, is_number });
+        out.labels.push(Label { lines, area, colour: self.colour, is_bold: self.is_bold || is_number, is_number });
         Some(found.0)
     }
 }
@@ -138,18 +155,11 @@ pub fn arrange(diagram: &Diagram) -> Arrangement {
     }
     with_sources(diagram, &mut out, &mut room);
     if diagram.paths.len() <= MOST_NAMED {
-        for ((name, kind, ..), line) in diagram.paths.iter().zip(&out.lines) {
-            let name = lines(name, SMALL, 380.0);
-            let size = text_size(&name, SMALL);
-            let place = line.filter(|_| name.len() < MOST_LINES).and_then(|(from, to)| {
-                let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
-                [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74].map(at).into_iter().find(|&at| room.is_free(&(at, size)))
-            });
+        for (position, (name, kind, ..)) in diagram.paths.iter().enumerate() {
             // Where it would cover something it is left to the table.
-            if let Some(at) = place {
-                room.taken.push((at, size));
-                let colour = colour_of(*kind);
-                out.labels.push(Label { lines: name, area: (at, size), colour, is_bold: false, is_number: false });
+            if let Some(line) = out.lines[position] {
+                Name::own(name, colour_of(*kind), 380.0)
+                    .place(&mut out, &mut room, |room, size| on_line(room, &line, size).map(|at| ((), at)));
             }
         }
     }
@@ -289,21 +299,12 @@ fn with_sources(diagram: &Diagram, out: &mut Arrangement, room: &mut Room) {
             continue;
         };
         let colour = source_colour(*source);
-        let name_lines = lines(name, SMALL, 280.0);
-        let arrow = if is_adopted {
-            let name = Name { text: format!("adopted: {name}"), lines: name_lines, colour };
-            name.place(out, room, |room, size| hanging(room, host, size))
-        } else {
-            let size = text_size(&name_lines, SMALL);
-            let found = if name_lines.len() < MOST_LINES { hanging(room, host, size) } else { None };
-            found.map(|(arrow, at)| {
-                room.taken.push((at, size));
-                let (lines, area) = (name_lines, (at, size));
-                out.labels.push(Label { lines, area, colour, is_bold: false, is_number: false });
-                arrow
-            })
+        let name = match is_adopted {
+            true => Name { text: format!("adopted: {name}"), ..Name::new(name, colour, 280.0) },
+            false => Name::own(name, colour, 280.0),
         };
-        // A name without a free place would cover another; the table has it.
+        let arrow = name.place(out, room, |room, size| hanging(room, host, size));
+        // Without a free place for a number either the table has it.
         let arrow = arrow.or_else(|| hanging(room, host, BARE).map(|found| found.0));
         room.taken.extend(arrow.map(shaft));
         left_out += usize::from(arrow.is_none());
@@ -346,6 +347,24 @@ fn hanging(room: &Room, (centre, shape): Boxed, label: (f64, f64)) -> Option<(Se
             let fits = room.is_free(&(at, label)) && (may_hide || room.is_off_lines(&(at, label)));
             (fits && !covers(&line)).then_some((line, at))
         })
+    })
+}
+
+/// A place for a name on a straight line, from its middle outwards, where it hides no other line; else close beside it.
+fn on_line(room: &Room, line: &Segment, size: (f64, f64)) -> Option<(f64, f64)> {
+    let (from, to) = *line;
+    let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+    let hides = |at: (f64, f64)| room.lines.iter().any(|other| other != line && crosses(other, &(at, size)));
+    let places = [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74].map(at);
+    let on = places.into_iter().find(|&at| room.is_free(&(at, size)) && !hides(at));
+    on.or_else(|| {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = (dx * dx + dy * dy).sqrt().max(1e-9);
+        let normal = (-dy / length, dx / length);
+        let off = 0.5 * (normal.0.abs() * size.0 + normal.1.abs() * size.1) + 10.0;
+        let beside =
+            places.into_iter().flat_map(|at| [off, -off].map(|by| (at.0 + by * normal.0, at.1 + by * normal.1)));
+        beside.into_iter().find(|&at| room.is_free(&(at, size)) && room.is_off_lines(&(at, size)))
     })
 }
 

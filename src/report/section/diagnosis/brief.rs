@@ -1,5 +1,6 @@
 //! A diagnosis in brief.
 
+use super::verdict;
 use crate::diagnosis::Output;
 use crate::job::diagnose::Kind;
 use crate::report::number::{self, NONE, significant};
@@ -12,9 +13,18 @@ pub(in crate::report::section) struct Diagnosis;
 impl Brief for Diagnosis {
     type Kind = Kind;
 
-    /// What must be mended first, then the verdict in words.
+    /// What must be mended first, then the verdict with what is missing and what that does to the error; all the rest is said by
+    /// the verb for this kind.
     fn headline(_: &JobEntry, output: &Output) -> Vec<String> {
-        output.before_the_verdict().into_iter().chain(output.words.iter().cloned()).collect()
+        let is_of = |word: &str, id: &String| word.contains(&format!("({id})"));
+        let is_selected =
+            |word: &&String| output.selected.iter().any(|id| is_of(word, id)) && !word.contains("(group ");
+        let is_error = |word: &&String| word.starts_with("With it the RMSE") || word.starts_with("With them the RMSE");
+        let (tuned, rest) = output.words.split_first().map_or((None, &[][..]), |(first, rest)| (Some(first), rest));
+        let told = rest.iter().filter(|word| is_selected(word) || is_error(word));
+        let verdict = format!("verdict {}", verdict(output).in_plain_words());
+        let tuned = tuned.filter(|_| output.selected.is_empty());
+        output.before_the_verdict().into_iter().chain([verdict]).chain(tuned.into_iter().chain(told).cloned()).collect()
     }
 
     fn essentials(output: &Output) -> Vec<(String, String)> {

@@ -116,13 +116,19 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         }
         _ => amount(value),
     };
-    Some((name.clone(), format!("{size}{}", date.map_or_else(String::new, since))))
+    let at = effect.since.as_ref().map_or_else(String::new, |at| format!(" ({})", at.replace(' ', "\u{A0}")));
+    Some((name.clone(), format!("{size}{}", date.map_or_else(String::new, |date| format!("{}{at}", since(date))))))
+}
+
+/// The same at a time in a record.
+pub(in crate::report::section) fn since_s(seconds: f64) -> String {
+    format!(", from {}\u{A0}h on", fixed(seconds / 3600.0, 2))
 }
 
 /// From when on an effect is there: the number of a phase, or the time in a record.
 fn since(date: &Amount) -> String {
     match date.unit.as_str() {
-        "s" => format!(", from {}\u{A0}h on", fixed(date.value / 3600.0, 2)),
+        "s" => since_s(date.value),
         "1" => format!(", from phase {} on", fixed(date.value.ceil(), 0)),
         _ => format!(", from {} on", amount(date)),
     }

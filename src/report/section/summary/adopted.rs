@@ -2,9 +2,9 @@
 
 use crate::expression::Unit;
 use crate::job::calibrate::{self, ParameterSummary};
-use crate::report::number::{self, significant, typeset, with_error, with_unit};
+use crate::report::number::{fixed, significant, typeset, with_error, with_unit};
 use crate::report::page::{Block, Statement, Status, Text, Tone};
-use crate::report::section::diagnosis::chance;
+use crate::report::section::diagnosis::{chance, since_s};
 use crate::report::view::PassReport;
 use crate::study::AdoptedEffect;
 use crate::thermal::Parameter;
@@ -13,11 +13,15 @@ use crate::thermal::Parameter;
 const MOST_EFFECTS: usize = 3;
 /// Probability below which an effect is a choice among others.
 const SURE: f64 = 0.95;
+/// Standard deviations between an adopted and a calibrated size from which that is remarked on.
+const APART: f64 = 3.0;
 
 /// The size of an effect: that of its first parameter, and what that is called in the effect.
 struct Size {
     text: String,
     parameter: String,
+    value: f64,
+    sd: Option<f64>,
 }
 
 /// The parameter of an effect that tells its size: its first, of a node its coupling.
@@ -33,8 +37,29 @@ fn adopted_size(report: &PassReport<'_>, effect: &AdoptedEffect) -> Option<Size>
     let own = parameter.name.strip_prefix(effect.name.as_str())?.trim_start_matches('.');
     let value = Unit::parse(&parameter.unit).ok()?.from_si(parameter.nominal);
     let sd = effect.evidence.iter().flat_map(|evidence| &evidence.sd).find(|(name, _)| name == own);
-    let text = sd.map_or_else(|| significant(value, 4), |(_, sd)| with_error(value, *sd));
-    Some(Size { text: with_unit(&text, &typeset(&parameter.unit)), parameter: own.replace('_', " ") })
+    let sd = sd.map(|(_, sd)| *sd);
+    Some(Size { text: stated(own, &parameter.unit, value, sd), parameter: own.replace('_', " "), value, sd })
+}
+
+/// A size in words: a relative change as a share.
+fn stated(parameter: &str, unit: &str, value: f64, sd: Option<f64>) -> String {
+    let (scale, unit) = match (parameter, unit) {
+        ("change", "1") => (100.0, "%".to_owned()),
+        _ => (1.0, typeset(unit)),
+    };
+    let text = sd.map_or_else(|| significant(scale * value, 4), |sd| with_error(scale * value, scale * sd));
+    with_unit(&text, &unit)
+}
+
+/// The calibrated size of an effect, and from when on it is there.
+fn calibrated_size(report: &PassReport<'_>, effect: &AdoptedEffect, summary: &ParameterSummary) -> String {
+    let prefix = format!("{}.", effect.name);
+    let own = parameter(report, effect).and_then(|parameter| parameter.name.strip_prefix(&prefix)).unwrap_or_default();
+    let size = stated(own, &summary.unit, summary.mean, Some(summary.sd));
+    let date =
+        report.outputs::<calibrate::Kind>().find_map(|(_, output)| output.parameters.get(&format!("{prefix}date")));
+    let since = date.filter(|date| date.unit == "s").map_or_else(String::new, |date| since_s(date.mean));
+    format!("{size}{since}")
 }
 
 /// Its posterior, where a calibration of the pass has it.
@@ -45,11 +70,13 @@ fn calibrated<'r>(report: &'r PassReport<'_>, effect: &AdoptedEffect) -> Option<
         .find_map(|(job, output)| Some((job, output.parameters.get(name).filter(|_| output.converged)?)))
 }
 
-/// How sure the choice was, as the diagnosis that proposed the effect stated it.
+/// How sure the choice was, as the diagnosis that proposed the effect stated it, and of which pass that was.
 fn how_sure(effect: &AdoptedEffect) -> Option<String> {
-    let probability = effect.evidence.as_ref()?.probability?;
+    let evidence = effect.evidence.as_ref()?;
+    let probability = evidence.probability?;
     let stated = chance(probability);
-    Some(if probability < SURE { format!("a choice at {stated}") } else { format!("probability {stated}") })
+    let what = if probability < SURE { "a choice at" } else { "probability" };
+    Some(format!("{what} {stated} in {}", evidence.pass))
 }
 
 fn names<'n>(mut text: Text, names: impl Iterator<Item = &'n str>) -> Text {
@@ -82,7 +109,10 @@ pub(super) fn in_predictions(report: &PassReport<'_>) -> Option<Block> {
     text = names(text, environments().filter(|name| acting.iter().any(|own| own.acts_in(name)))).plain("): ");
     for (position, effect) in acting.iter().take(MOST_EFFECTS).enumerate() {
         text = text.plain(if position == 0 { "" } else { "; " }).code(&effect.name);
-        let size = adopted_size(report, effect).map(|size| size.text);
+        // What the diagnosis of an earlier pass fitted is past where this pass has calibrated it.
+        let calibrated = calibrated(report, effect).map(|(_, summary)| calibrated_size(report, effect, summary));
+        let calibrated = calibrated.map(|size| format!("{size} as calibrated"));
+        let size = calibrated.or_else(|| adopted_size(report, effect).map(|size| size.text));
         let about: Vec<String> = how_sure(effect).into_iter().chain(size).collect();
         if !about.is_empty() {
             text = text.plain(format!(", {}", about.join(", ")));
@@ -101,10 +131,19 @@ pub(super) fn sizes(report: &PassReport<'_>) -> Vec<Statement> {
         let (_, summary) = calibrated(report, effect)?;
         let adopted = adopted_size(report, effect)?;
         let sure = how_sure(effect).map_or_else(String::new, |sure| format!(", {sure}"));
+        let variance = adopted.sd.map_or(0.0, |sd| sd * sd) + summary.sd * summary.sd;
+        let apart = (summary.mean - adopted.value).abs() / variance.sqrt();
+        let apart = match adopted.sd {
+            Some(_) if apart.is_finite() && apart >= APART => format!(
+                " They lie {} standard deviations apart: what the model has or lacks beside the effect is not the same in both.",
+                fixed(apart, 1)
+            ),
+            _ => String::new(),
+        };
         Some(Statement {
             label: format!("Measured: {}", effect.name),
-            value: with_unit(&with_error(summary.mean, summary.sd), &number::typeset(&summary.unit)),
-            text: format!("{} as calibrated; adopted with {}{sure}.", adopted.parameter, adopted.text).into(),
+            value: calibrated_size(report, effect, summary),
+            text: format!("{} as calibrated; adopted with {}{sure}.{apart}", adopted.parameter, adopted.text).into(),
             status: (summary.at_bound > super::outcome::PRESSES).then_some(Status::Caution),
         })
     };

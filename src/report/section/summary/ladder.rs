@@ -112,6 +112,16 @@ fn before(report: &PassReport<'_>) -> Vec<Rung> {
             let state = state.plain(", ").code(&pass.pass);
             rungs.push(Rung { state, standing: standing.clone(), unseen: None });
         }
+        if pass.is_tuned_by_diagnosis {
+            let ids: Vec<&str> = pass.adopted.iter().map(String::as_str).collect();
+            let state = if ids.is_empty() { "Tuned".into() } else { with(Text::new("Tuned with "), &ids) };
+            let tuned = pass.rmse_k.tuned;
+            rungs.push(Rung {
+                state: state.plain(", by the diagnosis, ").code(&pass.pass),
+                standing: Standing { fitted: tuned.train, held_out: tuned.held_out, ..Standing::default() },
+                unseen: None,
+            });
+        }
     }
     rungs
 }
@@ -134,7 +144,7 @@ fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<
     let ids: Vec<&str> = output.selected.iter().map(String::as_str).collect();
     let is_selected = |set: &[String]| set.len() == ids.len() && set.iter().all(|id| output.selected.contains(id));
     if let Some(model) = output.models.iter().find(|model| !ids.is_empty() && is_selected(&model.effects)) {
-        let state = with(Text::new("Tuned with proposed "), &ids);
+        let state = proposal(report, &ids);
         let own = rung(state, model.rmse_k.train, model.rmse_k.held_out);
         // Step by step, rows that no fit saw judge each effect: for what came about so they are not held out any more.
         let is_chosen_by_them = !output.steps.is_empty();
@@ -144,6 +154,20 @@ fn proposed(report: &PassReport<'_>, output: &Diagnosis, is_tuned: bool) -> Vec<
         }));
     }
     rungs
+}
+
+/// What the state with proposed effects is called: beside those that are adopted, of which one may come a second time.
+fn proposal(report: &PassReport<'_>, ids: &[&str]) -> Text {
+    if report.adopted.is_empty() {
+        return with(Text::new("Tuned with proposed "), ids);
+    }
+    let mut text = Text::new("Tuned, in addition with proposed ");
+    for (position, id) in ids.iter().enumerate() {
+        let is_second = report.adopted.iter().any(|effect| effect.id == *id);
+        text =
+            text.plain(if position == 0 { "" } else { ", " }).plain(if is_second { "second " } else { "" }).code(*id);
+    }
+    text
 }
 
 /// The rungs as a table, and what must be said to it; a column of which no rung knows anything is left out.

@@ -9,6 +9,7 @@ use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
 use crate::report::section::diagnosis::{chance, more_probable, near_miss, one_of, proposed_first, size};
+use crate::thermal::Model;
 
 /// Rivals that a statement names.
 const MOST_RIVALS: usize = 3;
@@ -19,7 +20,7 @@ const AGAINST: &str =
 const MOST_STEPS: usize = 3;
 
 /// The statements of a diagnosis.
-pub(super) fn of_diagnosis(output: &Output) -> Vec<Statement> {
+pub(super) fn of_diagnosis(output: &Output, model: &Model) -> Vec<Statement> {
     let selected: Vec<&EffectResult> =
         output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id)).collect();
     let mut out = vec![what(output, &selected)];
@@ -30,7 +31,7 @@ pub(super) fn of_diagnosis(output: &Output) -> Vec<Statement> {
     } else {
         out.extend(steps);
     }
-    out.extend(what_else(output, &selected));
+    out.extend(what_else(output, &selected, model));
     out
 }
 
@@ -239,7 +240,7 @@ fn error(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
     Some(Statement { label: "What that does to the error".into(), value, text: text.into(), status })
 }
 
-fn what_else(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
+fn what_else(output: &Output, selected: &[&EffectResult], model: &Model) -> Option<Statement> {
     let first = *selected.first()?;
     let groups: Vec<u64> = selected.iter().filter_map(|effect| effect.group).collect();
     let rivals: Vec<&EffectResult> = output
@@ -271,6 +272,9 @@ fn what_else(output: &Output, selected: &[&EffectResult]) -> Option<Statement> {
             .plain(format!(" The phase proposed below would, with probability {}.", chance(experiment.probability)));
     } else if let Some(one) = &output.one_thing {
         text = text.plain(" ").plain(one.in_words());
+    }
+    if let Some(own) = &output.only_in_transients {
+        text = text.plain(" ").plain(own.in_brief(model).replace(" degC", "\u{A0}\u{B0}C"));
     }
     let value = counted(rivals.len(), "rival");
     Some(Statement { label, value, text, status: Some(Status::Caution) })

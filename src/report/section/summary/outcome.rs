@@ -1,7 +1,10 @@
 //! What came out of the pass in a sentence or two, and the next step as a command.
 
 use crate::diagnosis::Verdict;
-use crate::diagnosis::output::{EffectResult, Output as Diagnosis};
+use crate::diagnosis::output::{DiscriminatingStep, EffectResult, Output as Diagnosis};
+use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
+use crate::diagnosis::verdict::words::time;
+use crate::document::canonical::quoted;
 use crate::document::p_stated;
 use crate::document::visible::shell_word;
 use crate::expression::Unit;
@@ -305,23 +308,24 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
             Verdict::Identified => {
                 return Some(Text::default().code(adopt).plain(" writes the next pass with it; then run it."));
             }
-            Verdict::Ambiguous if parted(output).is_some() => {
-                let rivals = parted(output).unwrap_or_default();
-                let mut text = Text::new("Measure a phase that tells ");
-                if rivals.iter().map(String::len).sum::<usize>() > MOST_LETTERS {
-                    text = text.plain(format!("the {} rivals apart", rivals.len()));
-                } else {
-                    for (position, rival) in rivals.iter().enumerate() {
-                        text = text.plain(if position == 0 { "" } else { " from " }).code(rival);
-                    }
-                }
-                return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
-            }
             Verdict::Ambiguous if !output.settled().is_empty() => {
+                // It costs no test.
                 let ids =
                     output.settled().iter().map(|effect| format!(" {}", shell_word(&effect.id))).collect::<String>();
                 let text = Text::default().code(format!("{adopt}{ids}"));
                 return Some(text.plain(" adopts what is settled; the rest stays open."));
+            }
+            Verdict::Ambiguous if parted(output).is_some() => {
+                let text = apart(Text::new("Measure a phase that tells "), parted(output).unwrap_or_default());
+                return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
+            }
+            Verdict::Ambiguous if stepped(output).is_some() => {
+                let (rivals, step) = stepped(output)?;
+                let text = Text::new("Measure ")
+                    .plain(step.in_words(report.model).replace(" degC", "\u{A0}\u{B0}C"))
+                    .plain(" for ");
+                let text = text.plain(format!("{}: it tells ", time(step.duration_s)));
+                return Some(apart(text, rivals).plain(format!(" with probability {}.", chance(step.probability))));
             }
             Verdict::Ambiguous | Verdict::Unexplained => {
                 let text = Text::default().code(command("diagnose"));
@@ -337,6 +341,9 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
         let text = Text::default().code(format!("bmv diagnose {}/{pass}", report.study));
         return Some(text.plain(" says which physical effects would explain what the calibration there leaves."));
     }
+    if let Some(text) = prediction_to_add(report) {
+        return Some(text);
+    }
     if let Some((name, _)) = report.outputs::<goal::Kind>().next() {
         let text = Text::default().code(format!("{} {name}", command("show")));
         return Some(text.plain(" says how well each parameter must be known, and what to do for it."));
@@ -349,14 +356,50 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
     Some(last_step(report))
 }
 
-/// The rivals that a proposed phase would part; none without such a phase, or where nothing rivals.
-fn parted(output: &Diagnosis) -> Option<&[String]> {
-    let experiment = output.discriminating_experiment.as_ref()?;
-    (experiment.between.len() > 1 && !experiment.conditions.is_empty() && experiment.limits_ok)
-        .then_some(experiment.between.as_slice())
+/// The rivals by their ids where there is room for them, else how many.
+fn apart(mut text: Text, rivals: &[String]) -> Text {
+    if rivals.iter().map(String::len).sum::<usize>() > MOST_LETTERS {
+        return text.plain(format!("the {} rivals apart", rivals.len()));
+    }
+    for (position, rival) in rivals.iter().enumerate() {
+        text = text.plain(if position == 0 { "" } else { " from " }).code(rival);
+    }
+    text
 }
 
-/// What is left where no job says what to do: the design that meets the requirement, or the archive.
+/// The rivals that a proposed phase would part; none without a phase that is worth a test and that the hardware surely bears.
+fn parted(output: &Diagnosis) -> Option<&[String]> {
+    let experiment = output.discriminating_experiment.as_ref()?;
+    let is_borne = experiment.limits_ok && experiment.near_tested;
+    (experiment.between.len() > 1 && !experiment.conditions.is_empty() && is_borne)
+        .then_some(experiment.between.as_slice())
+        .filter(|_| is_worth_a_test(experiment.probability))
+}
+
+/// The rivals that a proposed step would part, likewise.
+fn stepped(output: &Diagnosis) -> Option<(&[String], &DiscriminatingStep)> {
+    let own = output.only_in_transients.as_ref()?;
+    let step = own.step.as_ref().filter(|step| step.limits_ok && step.near_tested)?;
+    is_worth_a_test(step.probability).then_some((own.between.as_slice(), step))
+}
+
+/// The job that judges the requirements of a pass which has a posterior and judges none: the line to add, and the command.
+fn prediction_to_add(report: &PassReport<'_>) -> Option<Text> {
+    let rows = judged(report);
+    let judges_none = !rows.is_empty() && rows.iter().all(|row| row.probability.is_none());
+    let (calibration, _) = report.outputs::<calibrate::Kind>().next().filter(|_| judges_none)?;
+    let names = report.environments.iter().map(|environment| quoted(&environment.name));
+    let environments = names.collect::<Vec<_>>().join(", ");
+    let is_free = |name: &&str| report.results.iter().all(|job| job.name != *name);
+    let name = ["flight", "prediction"].into_iter().find(is_free)?;
+    let within = if environments.is_empty() { String::new() } else { format!(r#", "environments": [{environments}]"#) };
+    let job = format!(r#""{name}": {{"predict": {{"from": {}{within}}}}}"#, quoted(calibration));
+    let text = Text::new("No job judges the requirements with what was learnt: in ").code(&report.pass_file);
+    let text = text.plain(" write ").code(job).plain(" under ").code("jobs").plain("; then ");
+    Some(text.code(format!("bmv run {}/{}", report.study, report.pass_file)).plain("."))
+}
+
+/// What is left where no job says what to do: the design that meets the requirement, a test, or the archive.
 fn last_step(report: &PassReport<'_>) -> Text {
     let predicted = report.outputs::<predict::Kind>().map(|(_, output)| &output.posterior);
     let output = predicted.chain(report.outputs::<propagate::Kind>().map(|(_, output)| output)).next();
@@ -382,6 +425,10 @@ fn last_step(report: &PassReport<'_>) -> Text {
             .plain(format!(" to {size}; then "))
             .code(format!("bmv run {study}"))
             .plain("."),
+        None if report.measurements.is_empty() && output.is_some() => {
+            let text = Text::new("Nothing was measured yet; a test's log is brought by ");
+            text.code(format!("bmv import csv LOG... --into {study}")).plain(".")
+        }
         None => {
             let pass = report.pass_file.trim_end_matches(".json");
             Text::default()

@@ -30,6 +30,7 @@ fn measurement(rows: usize, step_s: f64, sigma: Option<f64>) -> Measurement {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     }

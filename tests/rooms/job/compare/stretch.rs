@@ -22,6 +22,7 @@ fn transient(hold: bool, values: Vec<f64>, held_out: Vec<bool>) -> Measurement {
         file: String::new(),
         sha256: String::new(),
         unused_columns: vec![],
+        time_zero_s: None,
         follows_gap: false,
         doubts: vec![],
     }

@@ -2,7 +2,7 @@
 
 use bmv::report::plot::canvas::text_width;
 use bmv::report::plot::network::arrangement::{Arrangement, arrange};
-use bmv::report::plot::network::room::{Boxed, overlap};
+use bmv::report::plot::network::room::{Boxed, crosses, overlap};
 use bmv::report::plot::{Diagram, Missing, NodeShape, Path, Source, network};
 
 /// Numbers that look random, the same on every machine.
@@ -188,4 +188,31 @@ fn a_name_without_room_stands_below_under_its_number() {
         ..diagram.clone()
     };
     assert!(arrange(&short).listed.is_empty());
+}
+
+/// The name of a line hides no other one; what has no room for its name, a line or an arrow of heat, has a number with its name
+/// below.
+#[test]
+fn names_of_the_model_hide_no_other_line_and_stand_below_where_there_is_no_room() {
+    let (mut of_lines, mut of_sources) = (0, 0);
+    for count in [6, 10, 16, 24] {
+        for round in 0..6_u64 {
+            let diagram = generated(53 * count as u64 + round, count, (0, 0));
+            let placed = arrange(&diagram);
+            let is_path = |text: &str| diagram.paths.iter().any(|path| path.0 == text);
+            for label in placed.labels.iter().filter(|label| is_path(&label.lines.join(" "))) {
+                let hidden = placed.lines.iter().flatten().filter(|line| crosses(line, &label.area)).count();
+                assert!(hidden <= 1, "`{}` lies on {hidden} lines", label.lines.join(" "));
+            }
+            let numbers = placed.labels.iter().filter(|label| label.is_number).count();
+            let listed: Vec<String> = placed.listed.iter().map(|own| own.lines.join(" ")).collect();
+            of_lines += listed.iter().filter(|text| is_path(text)).count();
+            of_sources += listed.iter().filter(|text| diagram.sources.iter().any(|own| own.0 == **text)).count();
+            // Names of nodes that are too long stand below too, under a number in their box.
+            let in_boxes = placed.names.iter().filter(|name| name[0].parse::<usize>().is_ok()).count();
+            let arrows = listed.iter().filter(|text| text.starts_with("no room for")).count();
+            assert_eq!(numbers + in_boxes + arrows, listed.len(), "each number has its name: {listed:?}");
+        }
+    }
+    assert!(of_lines > 5 && of_sources > 2, "{of_lines} {of_sources}");
 }
