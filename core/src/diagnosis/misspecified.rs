@@ -187,8 +187,8 @@ impl Diagnosis {
         let inputs = |place: usize| candidates[place].bound.len();
         let is_wanted = |&place: &usize| {
             let group = &candidates[place];
-            let is_dated = self.problem().catalogue.get(&group.effect).is_some_and(Effect::depends_on_date);
-            group.is_group() && inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
+            let is_timed = self.problem().catalogue.get(&group.effect).is_some_and(Effect::depends_on_time);
+            group.is_group() && inputs(place) < 2 && !is_timed && !self.is_unknown_function(place)
         };
         let mut wanted: Vec<usize> = (0..candidates.len()).filter(is_wanted).collect();
         wanted.sort_by_key(|&place| inputs(place));

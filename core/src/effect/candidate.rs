@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::expression::{ExprId, Graph, Names, Scope, Symbol, parse};
-use crate::thermal::{Model, NodeKind};
+use crate::thermal::{Clock, Model, NodeKind};
 
 use super::catalogue::Catalogue;
 use super::checked::Effect;
@@ -48,10 +48,10 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Inputs of the model that the effect goes with; not the date.
+    /// Inputs of the model that the effect goes with; no clocks.
     pub fn inputs(&self, model: &Model) -> Vec<usize> {
         let input = |bound: &Bound| match bound {
-            Bound::Input(input) => Some(*input).filter(|input| model.date != Some(*input)),
+            Bound::Input(input) => Some(*input).filter(|input| !model.clocks.has(*input)),
             Bound::Node(_) => None,
         };
         self.bound.iter().filter_map(input).collect()
@@ -291,8 +291,7 @@ fn candidate(effect: &Effect, model: &Model, spot: &Spot, bound: Vec<Bound>, sen
     let of_sensor = effect.places.contains(&PlaceKind::Sensor);
     let mut place = spot.names.clone();
     // When is no name of a place.
-    let dates = effect.form.inputs.iter().map(|entry| entry.value.date);
-    let bound_names = bound.iter().zip(dates).filter(|(_, date)| !date).map(|(one, _)| one.name(model));
+    let bound_names = bound.iter().filter(|one| !one.is_clock(model)).map(|one| one.name(model));
     let names: Vec<&str> = bound_names.collect();
     // A node that a sensor's reading depends on is part of the sensor's place.
     let node = of_sensor && matches!(bound.as_slice(), [Bound::Node(_)]);
@@ -444,13 +443,19 @@ fn without_doubles(model: &Model, choices: &[Bound], of_sensor: bool) -> Vec<Bou
 }
 
 impl EffectInputForm {
+    /// The clock for which it stands, if it does.
+    pub fn clock(&self) -> Option<Clock> {
+        let clocks = [(self.date, Clock::Date), (self.elapsed, Clock::Elapsed)];
+        clocks.into_iter().find_map(|(is_it, clock)| is_it.then_some(clock))
+    }
+
     /// Whether it may stand for an input or node of the model.
     pub fn fits(&self, model: &Model, bound: Bound) -> bool {
-        if let Bound::Input(input) = bound
-            && (self.date || model.date == Some(input))
-        {
+        let clock = self.clock();
+        if clock.is_some() || bound.is_clock(model) {
             let [first, last] = bound.range(model);
-            return self.date && model.date == Some(input) && self.least_span.is_none_or(|span| last - first >= span);
+            let is_its_own = clock.and_then(|clock| model.clocks.get(clock)).map(Bound::Input) == Some(bound);
+            return is_its_own && self.least_span.is_none_or(|span| last - first >= span);
         }
         if let Bound::Input(input) = bound
             && model.switches.contains(&input)
@@ -459,7 +464,7 @@ impl EffectInputForm {
         }
         let is_boundary = |input: usize| (0..model.nodes.len()).any(|node| is_boundary_input(model, node, input));
         let (allowed, dimension) = match bound {
-            Bound::Node(_) => (self.temperature && !self.date, None),
+            Bound::Node(_) => (self.temperature, None),
             Bound::Input(input) => (self.input && (self.boundary || !is_boundary(input)), Some(bound.dimension(model))),
         };
         let fits = match (&self.unit, dimension) {

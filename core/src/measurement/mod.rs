@@ -1,11 +1,11 @@
 //! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
 //!
 //! `unknown`: what of them is inferred, and measurements with such values put in. `prediction`: what a network predicts of
-//! their readings (`lag`: of sensors that follow slowly). `scatter`: what repeated readings say of the noise. `date`: when
+//! their readings (`lag`: of sensors that follow slowly). `scatter`: what repeated readings say of the noise. `clock`: when
 //! they were taken. May not know priors of models,
 //! likelihoods or effects beyond what they change of a sensor.
 
-mod date;
+mod clock;
 pub mod lag;
 pub mod prediction;
 pub mod scatter;

@@ -106,8 +106,8 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         );
         return Some(("power".to_owned(), format!("{}, {when}", amount(power))));
     }
-    let date = effect.amplitudes.get("date");
-    let (name, value) = effect.amplitudes.iter().find(|(name, _)| date.is_none() || *name != "date")?;
+    let onset = ["date", "elapsed"].into_iter().find_map(|name| effect.amplitudes.get_key_value(name));
+    let (name, value) = effect.amplitudes.iter().find(|(name, _)| onset.is_none_or(|(other, _)| *name != other))?;
     // A relative change is read as a share.
     let size = match (name.as_str(), value.unit.as_str()) {
         ("change", "1") => {
@@ -116,14 +116,15 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         }
         _ => amount(value),
     };
-    Some((name.clone(), format!("{size}{}", date.map_or_else(String::new, since))))
+    Some((name.clone(), format!("{size}{}", onset.map_or_else(String::new, |(name, amount)| since(name, amount)))))
 }
 
-/// From when on an effect is there: the number of a phase, or the time in a record.
-fn since(date: &Amount) -> String {
-    match date.unit.as_str() {
-        "s" => format!(", from {}\u{A0}h on", fixed(date.value / 3600.0, 2)),
-        "1" => format!(", from phase {} on", fixed(date.value.ceil(), 0)),
-        _ => format!(", from {} on", amount(date)),
+/// From when on an effect is there: the number of a phase, the time in a record, or that into every run.
+fn since(name: &str, when: &Amount) -> String {
+    match (name, when.unit.as_str()) {
+        ("elapsed", _) => format!(", from {} into every run on", amount(when)),
+        (_, "s") => format!(", from {}\u{A0}h on", fixed(when.value / 3600.0, 2)),
+        (_, "1") => format!(", from phase {} on", fixed(when.value.ceil(), 0)),
+        _ => format!(", from {} on", amount(when)),
     }
 }
