@@ -44,7 +44,7 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
 /// The model of a pass with the input that says when, and these measurements with their values of it.
 pub fn dated(pass: &Pass, mut measurements: Vec<Measurement>) -> (Model, Vec<Measurement>) {
     let mut model = pass.model.clone();
-    model.set_dates(&pass.measurements, &mut measurements);
+    model.set_clocks(&pass.measurements, &mut measurements);
     (model, measurements)
 }
 

@@ -129,6 +129,9 @@ fn same_prior(one: &Distribution, other: &Distribution) -> bool {
 #[test]
 fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
     let study = study();
+    // Two runs: something may happen at the same time into both.
+    let run = &PASS[PASS.find(r#""run": "#).expect("a run")..PASS.find("},\n \"jobs\"").expect("jobs")];
+    study.edit("pass-1.json", run, &format!("{run},\n   {}", run.replacen("run", "again", 1)));
     let pass = study.load();
     let catalogue = Catalogue::embedded(&mut Diagnostics::new());
     let (model, measurements) = dated(&pass, pass.measurements.clone());

@@ -1,4 +1,5 @@
-//! What changes at a date: a joint between two steady phases, a sensor likewise, and heat in a transient, all by hand.
+//! What changes at a date: a joint between two steady phases, a sensor likewise, and heat in a transient; and a joint at the same
+//! time into several runs. All by hand.
 
 use bmv::diagnosis::{Diagnosis, Output, Problem, Settings};
 use bmv::random::StreamKey;
@@ -18,12 +19,18 @@ const MODEL: &str = r#"{
 const SIGMA: f64 = 0.2;
 
 fn diagnosed(table: &str, measurement: &str) -> (Problem, Output) {
+    diagnosed_runs(&[("data.csv".to_owned(), table.to_owned())], &format!(r#""test": {measurement}"#), "")
+}
+
+/// Of a pass with these measurements and these entries under `adopt`.
+fn diagnosed_runs(tables: &[(String, String)], measurements: &str, adopt: &str) -> (Problem, Output) {
     let folder = tempfile::tempdir().expect("a folder");
     let pass = format!(
         r#"{{"format": "bmv-pass/1", "title": "Dates", "parent": null, "model": "model.json", "seed": 3,
-        "measurements": {{"test": {measurement}}}, "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#
+        "measurements": {{{measurements}}}, "adopt": {{{adopt}}}, "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#
     );
-    for (name, text) in [("model.json", MODEL), ("data.csv", table), ("pass-1.json", &pass)] {
+    let tables = tables.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+    for (name, text) in [("model.json", MODEL), ("pass-1.json", &pass)].into_iter().chain(tables) {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
     let pass = bmv::job::load(&folder.path().join("pass-1.json"));
@@ -123,5 +130,71 @@ fn a_small_jump_of_a_sensor_in_a_transient_is_dated_wherever_it_is() {
         let own = &effect.amplitudes;
         assert!((own["date"].value - date_s).abs() < 400.0, "{date_s}: {own:?}");
         assert!((own["bias"].value - 0.2).abs() < 4.0 * own["bias"].sd, "{date_s}: {own:?}");
+    }
+}
+
+/// Runs of 2400 s at these powers, each logged from its own second on; 575 s into each the feet conduct `feet` times as well. In steps
+/// of half a second by Euler's rule.
+fn runs(powers: &[f64], feet: f64, adopt: &str) -> (Problem, Output) {
+    const EVENT_S: f64 = 575.0;
+    let mut noise = StreamKey::new(10, "dates", "noise").stream(0);
+    let (mut tables, mut measurements) = (Vec::new(), Vec::new());
+    for (run, power) in powers.iter().enumerate() {
+        let begin = 100.0 * run as f64;
+        let mut table = String::from("time [s],Q [W],plate [K],box [K]\n");
+        let (mut plate, mut cabinet) = (290.0, 290.0);
+        for half in 0..=4800 {
+            let t = 0.5 * f64::from(half);
+            if half % 60 == 0 {
+                let read = [plate, cabinet].map(|value| value + SIGMA * noise.normal());
+                table.push_str(&format!("{},{power},{:.4},{:.4}\n", begin + t, read[0], read[1]));
+            }
+            let loss = if t >= EVENT_S { 0.5 * feet } else { 0.5 };
+            let through = 0.2 * (plate - cabinet);
+            plate += 0.5 * (power - loss * (plate - 290.0) - through) / 200.0;
+            cabinet += 0.5 * through / 100.0;
+        }
+        let file = format!("run-{run}.csv");
+        measurements.push(format!(
+            r#""run {run}": {{"transient": {{"file": "{file}", "hold": ["Q"], "inputs": {{"P": {{"value": 0, "unit": "W"}}}},
+            "initial": {{"temperatures": {{"all": 290}}}}, {SENSORS}}}}}"#
+        ));
+        tables.push((file, table));
+    }
+    diagnosed_runs(&tables, &measurements.join(", "), adopt)
+}
+
+fn has_event(problem: &Problem) -> bool {
+    problem.candidates.iter().any(|own| own.effect.starts_with("event-"))
+}
+
+#[test]
+fn a_joint_that_changes_at_the_same_time_into_every_run_has_that_time() {
+    let (problem, output) = runs(&[8.0, 14.0, 20.0], 1.5, "");
+    assert!(problem.candidates.iter().any(|own| own.id == "event-load:plate"), "what competes with it");
+    assert_eq!(output.selected, ["event-conductance:feet"], "{:?}", output.words);
+    let own = &output.effects[0].amplitudes;
+    assert!((own["elapsed"].value - 575.0).abs() < 30.0, "{own:?}");
+    // Four standard deviations.
+    assert!((own["change"].value - 0.5).abs() < 4.0 * own["change"].sd && own["change"].sd < 0.03, "{own:?}");
+    assert!(output.words.iter().any(|said| said.contains("into every run on")), "{:?}", output.words);
+}
+
+#[test]
+fn runs_with_nothing_missing_lack_no_event_and_a_single_run_has_no_candidate_of_it() {
+    let (problem, output) = runs(&[8.0, 14.0], 1.0, "");
+    assert!(has_event(&problem));
+    assert!(output.selected.is_empty(), "{:?}", output.words);
+    assert!(!has_event(&runs(&[14.0], 1.0, "").0));
+}
+
+/// What is adopted acts in a single run too.
+#[test]
+fn nothing_is_missing_beside_an_adopted_event() {
+    let adopt = r#""venting": {"effect": {"event-conductance": {"where": "feet"}}, "because": "air is let in"}"#;
+    for powers in [&[8.0, 14.0][..], &[14.0]] {
+        let (problem, output) = runs(powers, 1.5, adopt);
+        assert!(problem.model.parameters.iter().any(|own| own.name == "venting.elapsed"));
+        assert!(output.selected.is_empty(), "{:?}", output.words);
     }
 }

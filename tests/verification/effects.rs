@@ -6,7 +6,7 @@ use bmv::effect::{Candidate, Catalogue, Effect, GroupPlace, Instance, SensorPlac
 use bmv::expression::{Graph, Symbol};
 use bmv::thermal::element::cooler::{Cooler, Drive};
 use bmv::thermal::element::{Element, ElementKind};
-use bmv::thermal::{Model, Network, NodeKind, Start};
+use bmv::thermal::{Clock, Model, Network, NodeKind, Start};
 
 use super::build::Build;
 
@@ -68,9 +68,11 @@ pub fn model() -> Model {
     let element = b.model.elements.iter().position(|element| element.name == "bolts").expect("there");
     let through = b.model.elements[element].clone().contribution(b.graph(), &mut Vec::new(), false).through;
     b.quantity("leak", through.expect("a conductor"));
-    let date = b.model.date_input();
-    // Three days.
-    b.model.inputs[date].range = Some([0.0, 259_200.0]);
+    // Three days, and runs of half an hour.
+    for (clock, last) in [(Clock::Date, 259_200.0), (Clock::Elapsed, 1800.0)] {
+        let input = b.model.clock_input(clock);
+        b.model.inputs[input].range = Some([0.0, last]);
+    }
     b.model
 }
 
@@ -265,7 +267,7 @@ fn pairs_exchange_heat_and_make_none() {
 
 fn evaluate(graph: &Graph, id: bmv::expression::ExprId, parameters: &[f64]) -> f64 {
     // The last is the date at which what is dated sets in: half of it is there.
-    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8, 0.7, 260.0, 129_600.0];
+    let inputs = [290.0, 120.0, 6.0, 2.0, 0.8, 0.7, 260.0, 129_600.0, 900.0];
     graph.evaluate(id, &|symbol| match symbol {
         Symbol::Parameter(index) => parameters[index as usize],
         Symbol::Input(index) => inputs[index as usize],
@@ -305,6 +307,7 @@ fn heats_follow_their_equations() {
         // Noon is its peak as the catalogue has it, five hours long.
         ("daily-hours-load:box", 0.5),
         ("dated-load:box", 0.5 * 0.5),
+        ("event-load:box", 0.5 * 0.5),
         // Far below its threshold of 300 K.
         ("missing-heater:box:box", 1.0),
         ("evaporation:box", -0.1 * bmv::math::functions::exp(5309.0 * (1.0 / 293.15 - 1.0 / cabinet))),
@@ -364,6 +367,7 @@ fn changes_of_what_is_there_follow_their_equations() {
         ("input-dependent-conductance:strap:Q", "strap", 0.25 * (1.0 + rounded_power(0.5, 0.7))),
         ("conductance-lost-below:strap:box", "strap", 0.25 * (1.0 - 0.5)),
         ("dated-conductance:strap", "strap", 0.25 * (1.0 + 0.5 * 0.5)),
+        ("event-conductance:strap", "strap", 0.25 * (1.0 + 0.5 * 0.5)),
         ("dated-conductance:panel to shroud", "panel to shroud", 0.03 * (1.0 + 0.5 * 0.5)),
         ("dissipation-temperature:board", "board", 6.0 * (1.0 + 0.005 * (cabinet - 293.15))),
         ("heater-efficiency:board", "board", 6.0 * 1.1),

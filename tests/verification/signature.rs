@@ -111,7 +111,7 @@ fn long(model: &Model) -> Measurement {
 
 fn problem(mut measurements: Vec<Measurement>, input_errors: Vec<InputError>) -> Problem {
     let mut model = model();
-    model.set_dates(&measurements.clone(), &mut measurements);
+    model.set_clocks(&measurements.clone(), &mut measurements);
     let catalogue = Arc::new(catalogue());
     let candidates = candidates(&model, &groups(&model), &sensors(&model), &catalogue);
     Problem {
@@ -340,9 +340,12 @@ fn transient_directions_are_the_slopes_of_each_effects_likelihood() {
         let own = Own::new(&problem, direction.candidate, &likelihood, &at);
         // The steps of the baseline model know nothing of a change within 0.4 % of the record: the three sensors' readings there, and next to
         // it, are nearly right.
-        let is_dated =
-            ["dated-load", "dated-conductance"].contains(&problem.candidates[direction.candidate].effect.as_str());
-        check(&problem, &own, direction, 0.03, 0.02, if is_dated { 6 } else { 0 });
+        let effect = problem.candidates[direction.candidate].effect.as_str();
+        let is_dated = ["dated-load", "dated-conductance"].contains(&effect);
+        // The same changes by the clock of a run: here over 12 s, a tenth of a step, and at the very instant of a row.
+        if !["event-load", "event-conductance"].contains(&effect) {
+            check(&problem, &own, direction, 0.03, 0.02, if is_dated { 6 } else { 0 });
+        }
         smooth += 1;
     }
     assert!(smooth > 40, "{smooth}");

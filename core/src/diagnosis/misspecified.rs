@@ -199,8 +199,8 @@ impl Diagnosis {
         let candidates = &self.problem().candidates;
         let inputs = |place: usize| candidates[place].bound.len();
         let is_law = |&place: &usize| {
-            let is_dated = self.problem().catalogue.get(&candidates[place].effect).is_some_and(Effect::depends_on_date);
-            inputs(place) < 2 && !is_dated && !self.is_unknown_function(place)
+            let is_timed = self.problem().catalogue.get(&candidates[place].effect).is_some_and(Effect::depends_on_time);
+            inputs(place) < 2 && !is_timed && !self.is_unknown_function(place)
         };
         let mut wanted: Vec<usize> =
             (0..candidates.len()).filter(is_law).filter(|&place| candidates[place].is_group()).collect();

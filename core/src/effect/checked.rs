@@ -7,6 +7,7 @@ use crate::document::{
     Diagnostic, Diagnostics, Empty, Formulas, MapEntry, Place, Prior, Spanned, WrittenUnit, code, counted, suggest,
 };
 use crate::expression::{Dependence, Dimension, ExprId, Graph, Names, Symbol};
+use crate::thermal::Clock;
 
 use super::form::{AddsForm, AppliesForm, CurveForm, EffectForm, Medium, ParameterForm, Sign};
 use super::place::PlaceKind;
@@ -114,9 +115,14 @@ impl Effect {
         self.form.like_gradient
     }
 
-    /// Whether it depends on when readings were taken.
-    pub fn depends_on_date(&self) -> bool {
-        self.form.inputs.iter().any(|entry| entry.value.date)
+    /// Whether it depends on when readings were taken, by this clock.
+    pub fn depends_on(&self, clock: Clock) -> bool {
+        self.form.inputs.iter().any(|entry| entry.value.clock() == Some(clock))
+    }
+
+    /// Whether it depends on when readings were taken, by any clock.
+    pub fn depends_on_time(&self) -> bool {
+        self.form.inputs.iter().any(|entry| entry.value.clock().is_some())
     }
 
     /// Whether it exchanges the channels of two sensors.
@@ -198,6 +204,10 @@ impl Effect {
     fn check_names(&self, diagnostics: &mut Diagnostics) {
         for entry in &self.form.inputs {
             check_symbol(&entry.name, &entry.name_place, diagnostics);
+            if entry.value.date && entry.value.elapsed {
+                let message = format!("`{}` is the date and the time since the start of a run", entry.name);
+                wrong(&entry.name_place, &message, "one of the two; another input for the other", diagnostics);
+            }
         }
         for entry in &self.form.parameters {
             check_symbol(&entry.name, &entry.name_place, diagnostics);

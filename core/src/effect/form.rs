@@ -125,7 +125,10 @@ written_struct! {
         default(true) boundary: bool,
         /// Whether it says when: the number of a steady phase from 1 on, or what to add to `t` in a transient. It is bound by itself.
         default(false) date: bool,
-        /// Of a date: the effect is tried where the measured time spans at least this many seconds.
+        /// Whether it is the time since the start of the run, s, once `t` is added to it. It is bound by itself, in passes of
+        /// several transients of like length.
+        default(false) elapsed: bool,
+        /// Of these two: the effect is tried where the measured time spans at least this many seconds.
         optional least_span: f64,
         /// What it is.
         optional description: String,

@@ -3,16 +3,19 @@
 
 pub mod apply;
 pub mod candidate;
+mod candidates;
 pub mod catalogue;
 pub mod checked;
 pub mod form;
 pub mod law;
 pub mod parameter;
 pub mod place;
+mod same_law;
 mod thermometers;
 
 pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
-pub use candidate::{Candidate, Chosen, GroupPlace, Limits, candidates, candidates_at, candidates_within};
+pub use candidate::{Candidate, GroupPlace};
+pub use candidates::{Chosen, Limits, candidates, candidates_at, candidates_within};
 pub use catalogue::Catalogue;
 pub use checked::Effect;
 pub use parameter::EffectParameter;

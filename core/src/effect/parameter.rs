@@ -9,7 +9,7 @@ use super::checked::{Effect, KNOT};
 use super::form::{ParameterForm, Sign};
 use super::place::Bound;
 
-/// Share of the measured time at its beginning and at its end within which nothing changes at a date: what begins with the
+/// Share of the measured time, or of a run, at its beginning and at its end within which nothing changes at a time: what begins with the
 /// record was there before it, and a start that is stated a little wrong would look like it.
 const NO_CHANGE_WITHIN: f64 = 0.02;
 
@@ -148,7 +148,7 @@ impl Effect {
         if let Some(like) = &form.unit_of {
             let Some(like) = find(&like.value) else { return parameter };
             let [mut lower, mut upper] = like.range(model);
-            if model.date.map(Bound::Input) == Some(like) {
+            if like.is_clock(model) {
                 let edge = NO_CHANGE_WITHIN * (upper - lower);
                 (lower, upper) = (lower + edge, upper - edge);
             }

@@ -175,6 +175,11 @@ impl Bound {
         }
     }
 
+    /// Whether it is an input that says when.
+    pub fn is_clock(self, model: &Model) -> bool {
+        matches!(self, Self::Input(input) if model.clocks.has(input))
+    }
+
     /// Whether it is an input whose unit is one of angles.
     pub fn is_angle(self, model: &Model) -> bool {
         match self {

@@ -1,11 +1,11 @@
 //! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
 //!
 //! `unknown`: what of them is inferred, and measurements with such values put in. `prediction`: what a network predicts of
-//! their readings (`lag`: of sensors that follow slowly). `scatter`: what repeated readings say of the noise. `date`: when
+//! their readings (`lag`: of sensors that follow slowly). `scatter`: what repeated readings say of the noise. `clock`: when
 //! they were taken. May not know priors of models,
 //! likelihoods or effects beyond what they change of a sensor.
 
-mod date;
+mod clock;
 pub mod lag;
 pub mod prediction;
 pub mod scatter;
@@ -22,7 +22,7 @@ use crate::effect::SensorChange;
 use crate::random::Distribution;
 use crate::thermal::Model;
 pub use crate::thermal::transient::{InputColumn, InputTable};
-pub use date::calendar;
+pub use clock::calendar;
 pub use sensor_places::sensor_places;
 
 /// A number that is known, or has a prior and is inferred.

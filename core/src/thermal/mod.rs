@@ -3,6 +3,7 @@
 mod balance;
 pub mod batch;
 mod batch_tangent;
+pub mod clock;
 mod connectivity;
 pub mod element;
 mod equations;
@@ -22,6 +23,7 @@ pub mod transient;
 
 pub use balance::{HeatBalance, NodeHeat};
 pub use batch::{Batch, LANES, SampleBatch};
+pub use clock::{Clock, Clocks};
 pub use connectivity::isolated_nodes_beside;
 pub use external::{Derivatives, Evaluator, External, Fault, Point, SlopesAt};
 pub use model::{Input, Limits, Model, Node, NodeKind, Parameter, Quantity, QuantityValue};

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use crate::expression::{ExprId, Graph, Symbol, Term};
 
+use super::clock::Clocks;
 use super::element::Element;
 use super::external::External;
 use super::size::Size;
@@ -20,8 +21,8 @@ pub struct Model {
     pub parameters: Vec<Parameter>,
     /// Inputs in the order of the file.
     pub inputs: Vec<Input>,
-    /// The input that says when, where there is one: what changes at a date depends on it and on the time that has passed.
-    pub date: Option<usize>,
+    /// Inputs that say when, where there are any: what changes at a time depends on them and on the time that has passed.
+    pub clocks: Clocks,
     /// Inputs that are 1 where an adopted effect is there: none that physics follows.
     pub switches: Vec<usize>,
     /// Nodes in the order of the file, boundaries included.

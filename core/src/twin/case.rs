@@ -148,7 +148,7 @@ fn baseline(
 ) -> Result<Problem, InjectError> {
     let mut model = specification.model().map_err(|error| InjectError::Fit(error.message))?;
     let mut measurements = vec![measurement(test, specification, &mut model, draw)];
-    model.set_dates(&measurements.clone(), &mut measurements);
+    model.set_clocks(&measurements.clone(), &mut measurements);
     let measurement = &measurements[0];
     let transient = matches!(measurement.rows, Rows::Transient { .. });
     let sensors: Vec<SensorPlace> = (measurement.sensors.iter())

@@ -26,7 +26,7 @@ pub fn files(case: &Case) -> Vec<(String, String)> {
 
 /// The inputs that a file states.
 pub(super) fn written(model: &Model) -> &[Input] {
-    &model.inputs[..model.date.unwrap_or(model.inputs.len())]
+    &model.inputs[..model.clocks.first().unwrap_or(model.inputs.len())]
 }
 
 /// A measurement as a table: inputs and readings in SI.

@@ -25,7 +25,7 @@ const PRIOR_FIELDS: &[&str] = &["mean", "sd", "lower", "upper", "median", "facto
 
 /// What the effect's inputs stand for, in the order of its file. `None` where the finding's names are not the model's.
 pub fn bound(effect: &Effect, finding: &EffectResult, model: &Model) -> Option<Vec<Bound>> {
-    let inputs: Vec<_> = effect.form.inputs.iter().filter(|entry| !entry.value.date).collect();
+    let inputs: Vec<_> = effect.form.inputs.iter().filter(|entry| entry.value.clock().is_none()).collect();
     let find = |position: usize, name: &str| {
         let input = model.inputs.iter().position(|input| input.name == name).map(Bound::Input);
         let node = model.nodes.iter().position(|node| node.name == name).map(Bound::Node);
@@ -40,7 +40,11 @@ pub fn bound(effect: &Effect, finding: &EffectResult, model: &Model) -> Option<V
     }
     .into_iter();
     let all = effect.form.inputs.iter();
-    all.map(|entry| if entry.value.date { model.date.map(Bound::Input) } else { named.next() }).collect()
+    all.map(|entry| match entry.value.clock() {
+        Some(clock) => model.clocks.get(clock).map(Bound::Input),
+        None => named.next(),
+    })
+    .collect()
 }
 
 /// Names joined by `*`, a name for each input; a node's name may hold the sign itself.
@@ -98,7 +102,7 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
     let mut fields = vec![("where".to_owned(), place(finding))];
     let is_in_place = finding.input.is_none();
     if !bound.is_empty() && !is_in_place {
-        let names = effect.form.inputs.iter().zip(bound).filter(|(entry, _)| !entry.value.date);
+        let names = effect.form.inputs.iter().zip(bound).filter(|(entry, _)| entry.value.clock().is_none());
         let inputs = names.map(|(entry, bound)| (entry.name.clone(), Item::text(bound.name(model)))).collect();
         fields.push(("inputs".to_owned(), Item::Object(inputs)));
     }

@@ -353,8 +353,8 @@ fn inputs(scope: &mut Scope, form: &DiscrepancyForm, measurements: &[&Measuremen
         values.any(|value| Some(value) != first)
     };
     let Some(names) = &form.inputs else {
-        let date = scope.resolved.model.date;
-        return (0..scope.resolved.model.inputs.len()).filter(|&input| Some(input) != date && varies(input)).collect();
+        let model = &scope.resolved.model;
+        return (0..model.inputs.len()).filter(|&input| !model.clocks.has(input) && varies(input)).collect();
     };
     let varying: Vec<usize> = (0..scope.resolved.model.inputs.len()).filter(|&input| varies(input)).collect();
     let mut chosen = Vec::new();

@@ -254,7 +254,7 @@ impl Discrepancy {
             }
             let lower = values.iter().copied().fold(f64::INFINITY, f64::min);
             let upper = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if lower.is_finite() && upper.is_finite() && Some(input) != self.model.date {
+            if lower.is_finite() && upper.is_finite() && !self.model.clocks.has(input) {
                 let unit = unit_of(&own.unit).dimension.to_string();
                 ranges.push(TestedRange { input: own.name.clone(), unit, lower, upper });
             }

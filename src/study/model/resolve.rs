@@ -14,7 +14,7 @@ use crate::random::Distribution;
 use crate::study::external::External;
 use crate::study::folder::Folder;
 use crate::thermal::element::{Contribution, Element, ElementForm, Lookup, Switch};
-use crate::thermal::{Derivatives, Input, Limits, Model, Node, NodeKind, Parameter};
+use crate::thermal::{Clock, Derivatives, Input, Limits, Model, Node, NodeKind, Parameter};
 
 use super::form::{InputForm, LimitsForm, ModelForm, NodeForm, ParameterForm, TableForm};
 use super::group::{self, Group};
@@ -265,14 +265,14 @@ impl ResolvedModel {
         index
     }
 
-    /// The input that says when, added where the model has none.
-    pub fn date_input(&mut self) -> usize {
-        let date = self.model.date_input();
-        if date == self.input_scales.len() {
+    /// The input of a clock, added where the model has none.
+    pub fn clock_input(&mut self, clock: Clock) -> usize {
+        let input = self.model.clock_input(clock);
+        if input == self.input_scales.len() {
             self.input_scales.push(Scale { unit: None });
             self.input_errors.push(InputError::default());
         }
-        date
+        input
     }
 
     /// Takes note of what an effect has added to the model: its parameters with their units and priors, its nodes,

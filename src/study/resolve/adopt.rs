@@ -84,10 +84,10 @@ pub fn adopt(scope: &mut Scope, form: &PassForm, catalogue: &Catalogue) -> Adopt
 }
 
 /// Whether an adopted effect depends on when readings were taken.
-pub fn depends_on_dates(folder: &Folder, form: &PassForm) -> bool {
+pub fn depends_on_time(folder: &Folder, form: &PassForm) -> bool {
     let (catalogue, _) = catalogue(folder, &mut Diagnostics::new());
     let mut used = form.adopt.iter().flat_map(|entry| entry.value.effect.iter());
-    used.any(|usage| catalogue.get(&usage.name).is_some_and(Effect::depends_on_date))
+    used.any(|usage| catalogue.get(&usage.name).is_some_and(Effect::depends_on_time))
 }
 
 /// Whether an effect acts on sensors, and on no node or element.
@@ -201,7 +201,7 @@ impl Adoption {
             }
             _ => None,
         };
-        let inputs = effect.form.inputs.iter().zip(&bound).filter(|(entry, _)| !entry.value.date);
+        let inputs = effect.form.inputs.iter().zip(&bound).filter(|(entry, _)| entry.value.clock().is_none());
         let inputs = inputs.map(|(entry, bound)| (entry.name.clone(), bound.name(&scope.resolved.model).to_owned()));
         let inputs: Vec<(String, String)> = inputs.collect();
         let id = id(effect, &placed, &bound, &inputs);

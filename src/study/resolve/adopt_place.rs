@@ -205,8 +205,13 @@ pub fn bound(
     node: Option<&Spanned<String>>,
 ) -> Option<Vec<Bound>> {
     let before = scope.diagnostics.errors();
-    let input_names: Vec<&str> =
-        effect.form.inputs.iter().filter(|entry| !entry.value.date).map(|entry| entry.name.as_str()).collect();
+    let input_names: Vec<&str> = effect
+        .form
+        .inputs
+        .iter()
+        .filter(|entry| entry.value.clock().is_none())
+        .map(|entry| entry.name.as_str())
+        .collect();
     for entry in &usage.value.inputs {
         if !input_names.contains(&entry.name.as_str()) {
             let message = format!("`{}` has no input `{}`", effect.name, entry.name);
@@ -216,8 +221,8 @@ pub fn bound(
     }
     let mut bound = Vec::new();
     for entry in &effect.form.inputs {
-        if entry.value.date {
-            bound.push(Bound::Input(scope.resolved.date_input()));
+        if let Some(clock) = entry.value.clock() {
+            bound.push(Bound::Input(scope.resolved.clock_input(clock)));
             continue;
         }
         let given = usage.value.inputs.get(&entry.name).map(|given| &given.value);

@@ -39,7 +39,7 @@ use crate::document::{
 };
 use crate::effect::{Catalogue, GroupPlace, SensorPlace, thermometers};
 use crate::measurement::sensor_places;
-use crate::thermal::{self, Quantity};
+use crate::thermal::{self, Clock, Quantity};
 
 use super::folder::{Folder, FolderError};
 use super::inherit::{Lineage, folder_diagnostic_at, lineage};
@@ -182,15 +182,17 @@ struct Files<'a> {
 /// twice.
 fn with_ranges_of_data(files: &Files, form: &PassForm, mut resolved: ResolvedModel) -> (ResolvedModel, Vec<String>) {
     let lacks_range = || resolved.model.inputs.iter().any(|input| input.range.is_none());
-    let is_needed = !form.adopt.is_empty() && (lacks_range() || adopt::depends_on_dates(files.folder, form));
+    let is_needed = !form.adopt.is_empty() && (lacks_range() || adopt::depends_on_time(files.folder, form));
     // What is wrong is said when the pass is resolved for good.
     let mut unheard = Diagnostics::new();
     let tried = is_needed.then(|| resolve(files, form, resolved.clone(), &mut unheard)).flatten();
     let Some(tried) = tried else { return (resolved, Vec::new()) };
-    if let (Some(date), None) = (tried.model.date, resolved.model.date) {
-        // Adopted effects alone need it; its range and unit are those of the data.
-        let date_input = resolved.date_input();
-        resolved.model.inputs[date_input] = tried.model.inputs[date].clone();
+    for clock in Clock::ALL {
+        if let (Some(found), None) = (tried.model.clocks.get(clock), resolved.model.clocks.get(clock)) {
+            // Adopted effects alone need it; its range and unit are those of the data.
+            let input = resolved.clock_input(clock);
+            resolved.model.inputs[input] = tried.model.inputs[found].clone();
+        }
     }
     for input in &mut resolved.model.inputs {
         let tried_input = tried.model.inputs.iter().find(|other| other.name == input.name);
@@ -269,7 +271,7 @@ fn resolve(files: &Files, form: &PassForm, resolved: ResolvedModel, diagnostics:
     }
     adoption.adopt_at_sensors(&mut scope, form, &catalogue, &mut measurements);
     adoption.switch_on(&mut measurements, &mut environments);
-    set_dates(&mut scope, &mut measurements, &mut environments);
+    set_clocks(&mut scope, &mut measurements, &mut environments);
     priors.extend(adoption.priors.iter().copied());
     let mut upstreams = Upstreams::new(files.reader, files.chain);
     let posterior_priors = posterior_prior::resolve(&mut scope, &mut upstreams, &mut priors);
@@ -454,19 +456,20 @@ fn put_quantity(resolved: &mut ResolvedModel, quantity: Quantity) {
     }
 }
 
-/// Says when measurements were made, where an adopted effect depends on it; environments come after them.
-fn set_dates(
+/// Says when measurements were made, where an adopted effect depends on it; environments have the nominal value.
+fn set_clocks(
     scope: &mut Scope,
     measurements: &mut [crate::measurement::Measurement],
     environments: &mut [super::requirement::Environment],
 ) {
     let model = &mut scope.resolved.model;
-    let Some(date) = model.date else { return };
     let all = measurements.to_vec();
-    model.set_dates(&all, measurements);
-    for environment in environments {
-        environment.inputs.resize(environment.inputs.len().max(date + 1), 0.0);
-        environment.inputs[date] = model.inputs[date].nominal;
+    for clock in Clock::ALL {
+        let Some(input) = model.set_clock(clock, &all, measurements) else { continue };
+        for environment in environments.iter_mut() {
+            environment.inputs.resize(environment.inputs.len().max(input + 1), 0.0);
+            environment.inputs[input] = model.inputs[input].nominal;
+        }
     }
 }
 

@@ -2,3 +2,4 @@ mod candidate;
 mod catalogue;
 mod law;
 mod parameter;
+mod same_law;

@@ -6,7 +6,7 @@ use bmv::effect::{Bound, Catalogue};
 use bmv::expression::{Dimension, Unit};
 use bmv::random::Distribution;
 use bmv::thermal::element::{Conductor, Element, ElementKind};
-use bmv::thermal::{Limits, Model, Node, NodeKind};
+use bmv::thermal::{Clock, Limits, Model, Node, NodeKind};
 
 /// A node that stores and exchanges so much, beside a boundary.
 fn hardware(capacity: f64, conductance: f64) -> Model {
@@ -67,7 +67,7 @@ fn a_unit_over_others_is_one_that_people_read() {
 fn nothing_changes_at_a_date_at_the_ends_of_what_was_measured() {
     let catalogue = Catalogue::embedded(&mut Diagnostics::new());
     let mut model = hardware(700.0, 2.0);
-    let date = model.date_input();
+    let date = model.clock_input(Clock::Date);
     model.inputs[date].range = Some([1000.0, 2000.0]);
     let parameters = catalogue.get("dated-load").unwrap().parameters(&model, &[Bound::Input(date)]);
     let own = parameters.iter().find(|own| own.name == "date").unwrap();

@@ -1,2 +1,3 @@
+mod clock;
 mod lag;
 mod scatter;

@@ -4,6 +4,7 @@ use super::sources::{Kind, Source};
 use crate::diagnosis::Problem;
 use crate::diagnosis::output::GoesWith;
 use crate::math::special::student_t_cdf;
+use crate::thermal::Clock;
 
 /// p-value below which heat is said to go with an input.
 const GOES: f64 = 0.01;
@@ -11,7 +12,10 @@ const GOES: f64 = 0.01;
 /// Inputs that a node's missing heat goes with, by linear regression over its phases or stretches.
 pub(super) fn relations(problem: &Problem, watts: &[(&Source, f64)]) -> Vec<GoesWith> {
     let nodes: Vec<usize> = (0..problem.model.nodes.len()).collect();
-    let tests = (nodes.len() * problem.model.inputs.len()).max(1) as f64;
+    // Stretches of a transient have no time since its start.
+    let elapsed = problem.model.clocks.get(Clock::Elapsed);
+    let inputs: Vec<_> = problem.model.inputs.iter().enumerate().filter(|(input, _)| Some(*input) != elapsed).collect();
+    let tests = (nodes.len() * inputs.len()).max(1) as f64;
     let mut significant = Vec::new();
     for node in nodes {
         let node_heats: Vec<&(&Source, f64)> =
@@ -20,7 +24,7 @@ pub(super) fn relations(problem: &Problem, watts: &[(&Source, f64)]) -> Vec<Goes
         if node_heats.len() < 4 {
             continue;
         }
-        for (input, entry) in problem.model.inputs.iter().enumerate() {
+        for &(input, entry) in &inputs {
             let x: Vec<f64> = node_heats.iter().filter_map(|(source, _)| source.inputs.get(input).copied()).collect();
             if x.len() != heat.len() {
                 continue;

@@ -14,8 +14,8 @@ const MOST: usize = 24;
 const SAME: f64 = 0.005;
 /// Thresholds that are tried in what varies continuously.
 const MOST_OF_COURSE: usize = 7;
-/// The same of dates: a step a thirtieth of the time off keeps nine tenths of what it explains.
-const MOST_DATES: usize = 15;
+/// The same of dates and of times since the start of a run: a step a thirtieth of the time off keeps nine tenths of what it explains.
+const MOST_TIMES: usize = 15;
 
 /// Values of a parameter that has the unit of one of the effect's inputs, SI: the middles between the input's levels in the
 /// phases that are fitted; where there are transients, and more levels than a few, evenly between the least and the greatest
@@ -39,8 +39,8 @@ pub(crate) fn thresholds(
     if middles.is_empty() {
         return None;
     }
-    let is_date = problem.model.date.map(Bound::Input) == bound(candidate, effect, parameter);
-    let most = if is_date { MOST_DATES } else { MOST_OF_COURSE };
+    let is_time = bound(candidate, effect, parameter).is_some_and(|bound| bound.is_clock(&problem.model));
+    let most = if is_time { MOST_TIMES } else { MOST_OF_COURSE };
     if !steady && middles.len() > most {
         return Some(evenly([levels[0], levels[levels.len() - 1]], most));
     }

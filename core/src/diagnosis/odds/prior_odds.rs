@@ -13,8 +13,8 @@ use crate::diagnosis::odds::medium::{is_pressure, is_temperature, is_vacuum};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::ln;
 use crate::measurement::{Measurement, Rows};
-use crate::thermal::Input;
 use crate::thermal::element::Element;
+use crate::thermal::{Clock, Input};
 
 /// Probability beforehand that a kind of effect is missing: a convention. It makes an effect of one place pay a log odds of
 /// 2.9, and a study may say another ([`Problem::missing_probability`]).
@@ -48,7 +48,7 @@ impl PriorOdds {
         let odds = |effect: &str, count: usize| {
             let is = |of: fn(&Effect) -> bool| problem.catalogue.get(effect).is_some_and(of);
             let behind = if is(Effect::is_unknown_function) { CURVE_COST } else { 0.0 };
-            let behind = if is(Effect::depends_on_date) { behind - changes } else { behind };
+            let behind = if is(|own| own.depends_on(Clock::Date)) { behind - changes } else { behind };
             // A study that says how probable a kind is has thought of where it is rare.
             let said = problem.missing_probability.get(effect).copied();
             let behind = if said.is_none() && is(Effect::is_rare) { behind + OUT_OF_PLACE } else { behind };

@@ -43,7 +43,7 @@ fn values(problem: &Problem) -> Vec<Vec<f64>> {
     let mut values = vec![Vec::new(); model.inputs.len()];
     for measurement in &problem.measurements {
         for row in (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row)) {
-            for (input, values) in values.iter_mut().enumerate().filter(|(input, _)| model.date != Some(*input)) {
+            for (input, values) in values.iter_mut().enumerate().filter(|(input, _)| !model.clocks.has(*input)) {
                 values.push(measurement.level(model, row, input).unwrap_or(f64::NAN));
             }
         }

@@ -12,6 +12,7 @@ use crate::diagnosis::verdict::tested::{self, Tested};
 use crate::math::functions::pow;
 use crate::measurement::prediction::{Prediction, Predictor};
 use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows};
+use crate::thermal::Clock;
 use crate::watch;
 
 /// Inputs whose steps are tried: those that moved over the largest shares of their ranges.
@@ -185,9 +186,9 @@ fn stepped(
     let changed = rival.problem.measurements.iter().find(|own| own.name == template.name)?;
     let Rows::Transient { inputs, .. } = &template.rows else { return None };
     let mut base: Vec<f64> = (0..problem.model.inputs.len()).map(|index| inputs.in_row(0, index)).collect();
-    if let Some(date) = problem.model.date {
+    for clock in Clock::ALL.into_iter().filter_map(|clock| problem.model.clocks.get(clock)) {
         // A new test comes after all others.
-        base[date] = problem.model.inputs[date].nominal;
+        base[clock] = problem.model.inputs[clock].nominal;
     }
     let before_s = FIRST * (instants.last()? - instants.first()?);
     let times_s: Vec<f64> = std::iter::once(0.0).chain(instants.iter().map(|time| before_s + time)).collect();

@@ -207,8 +207,8 @@ impl Diagnosis {
         let problem = findings.problem;
         let is_law = |&place: &usize| {
             let candidate = &problem.candidates[place];
-            let is_dated = problem.catalogue.get(&candidate.effect).is_some_and(Effect::depends_on_date);
-            !(self.is_unknown_function(place) || is_dated || candidate.is_group() || candidate.effect == PRIOR_OF)
+            let is_timed = problem.catalogue.get(&candidate.effect).is_some_and(Effect::depends_on_time);
+            !(self.is_unknown_function(place) || is_timed || candidate.is_group() || candidate.effect == PRIOR_OF)
         };
         let laws: Vec<usize> = (0..problem.candidates.len()).filter(is_law).collect();
         let step = laws.len().div_ceil(MOST_OTHERS).max(1);

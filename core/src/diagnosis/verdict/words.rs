@@ -19,7 +19,7 @@ use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::measurement::{Rows, calendar};
 use crate::random::Distribution;
-use crate::thermal::Model;
+use crate::thermal::{Clock, Model};
 
 /// The first parameter of a curve.
 const FIRST_KNOT: &str = "knot_1";
@@ -49,17 +49,20 @@ pub fn size(effect: &EffectResult) -> String {
     })
 }
 
-/// When an effect sets in, after a comma: between two phases, or at a time.
-fn date(effect: &EffectResult, problem: &Problem) -> String {
-    let Some((when, amount)) = dated(effect, problem) else { return String::new() };
+/// When an effect sets in, after a comma: between two phases, at a time, or at a time into every run.
+fn onset(effect: &EffectResult, problem: &Problem) -> String {
+    let Some((clock, amount)) = timed(effect, problem) else { return String::new() };
+    if clock == Clock::Elapsed {
+        return format!(", from {} {} into every run on", with_error(amount.value, amount.sd), amount.unit);
+    }
     let mut phases: Vec<(f64, &str)> = Vec::new();
     for measurement in &problem.measurements {
         let Rows::Steady(own) = &measurement.rows else { continue };
-        let level = |row: usize| measurement.level(&problem.model, row, problem.model.date?);
+        let level = |row: usize| measurement.level(&problem.model, row, problem.model.clocks.get(clock)?);
         phases.extend(own.iter().enumerate().filter_map(|(row, phase)| Some((level(row)?, phase.name.as_str()))));
     }
     phases.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let after = phases.partition_point(|phase| phase.0 <= when);
+    let after = phases.partition_point(|phase| phase.0 <= amount.most_probable);
     match (after.checked_sub(1).map(|before| phases[before].1), phases.get(after)) {
         (Some(before), Some((_, after))) => format!(", between the phases {before} and {after}"),
         _ => {
@@ -74,16 +77,17 @@ fn date(effect: &EffectResult, problem: &Problem) -> String {
 
 /// Date and time from which on an effect is there, where that is known.
 pub(super) fn since(effect: &EffectResult, problem: &Problem) -> Option<String> {
-    let (when, _) = dated(effect, problem)?;
-    calendar(&problem.model, &problem.measurements, when)
+    let (_, amount) = timed(effect, problem).filter(|(clock, _)| *clock == Clock::Date)?;
+    calendar(&problem.model, &problem.measurements, amount.most_probable)
 }
 
-/// The parameter that says when an effect sets in, with its most probable value.
-fn dated<'e>(effect: &'e EffectResult, problem: &Problem) -> Option<(f64, &'e Amount)> {
-    let own = problem.catalogue.get(&effect.effect).filter(|own| own.depends_on_date())?;
-    let is_date = |name: &str| own.form.parameters.get(name).is_some_and(|form| form.value.unit_of.is_some());
-    let (_, amount) = effect.amplitudes.iter().find(|(name, _)| is_date(name))?;
-    Some((amount.most_probable, amount))
+/// The parameter that says when an effect sets in, and by which clock.
+fn timed<'e>(effect: &'e EffectResult, problem: &Problem) -> Option<(Clock, &'e Amount)> {
+    let own = problem.catalogue.get(&effect.effect)?;
+    let clock = Clock::ALL.into_iter().find(|&clock| own.depends_on(clock))?;
+    let is_time = |name: &str| own.form.parameters.get(name).is_some_and(|form| form.value.unit_of.is_some());
+    let (_, amount) = effect.amplitudes.iter().find(|(name, _)| is_time(name))?;
+    Some((clock, amount))
 }
 
 /// That a prior is too narrow, and by how much.
@@ -641,7 +645,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     effect.title,
                     effect.id,
                     size(effect),
-                    date(effect, findings.problem),
+                    onset(effect, findings.problem),
                     carried(effect),
                     started(effect),
                     percent(effect.probability),

@@ -7,7 +7,7 @@ use crate::expression::{ExprId, Symbol, Term};
 use crate::thermal::{Model, Node, NodeKind, Quantity, QuantityValue};
 
 use super::{ApplyError, Work};
-use crate::effect::candidate::Limits;
+use crate::effect::Limits;
 use crate::effect::place::{SensorPlace, Site};
 
 /// What becomes of a sensor.

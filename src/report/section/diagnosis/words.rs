@@ -106,8 +106,8 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         );
         return Some(("power".to_owned(), format!("{}, {when}", amount(power))));
     }
-    let date = effect.amplitudes.get("date");
-    let (name, value) = effect.amplitudes.iter().find(|(name, _)| date.is_none() || *name != "date")?;
+    let onset = ["date", "elapsed"].into_iter().find_map(|name| effect.amplitudes.get_key_value(name));
+    let (name, value) = effect.amplitudes.iter().find(|(name, _)| onset.is_none_or(|(other, _)| *name != other))?;
     // A relative change is read as a share.
     let size = match (name.as_str(), value.unit.as_str()) {
         ("change", "1") => {
@@ -117,7 +117,8 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         _ => amount(value),
     };
     let at = effect.since.as_ref().map_or_else(String::new, |at| format!(" ({})", at.replace(' ', "\u{A0}")));
-    Some((name.clone(), format!("{size}{}", date.map_or_else(String::new, |date| format!("{}{at}", since(date))))))
+    let when = onset.map_or_else(String::new, |(name, amount)| format!("{}{at}", since(name, amount)));
+    Some((name.clone(), format!("{size}{when}")))
 }
 
 /// The same at a time in a record.
@@ -125,11 +126,12 @@ pub(in crate::report::section) fn since_s(seconds: f64) -> String {
     format!(", from {}\u{A0}h on", fixed(seconds / 3600.0, 2))
 }
 
-/// From when on an effect is there: the number of a phase, or the time in a record.
-fn since(date: &Amount) -> String {
-    match date.unit.as_str() {
-        "s" => since_s(date.value),
-        "1" => format!(", from phase {} on", fixed(date.value.ceil(), 0)),
-        _ => format!(", from {} on", amount(date)),
+/// From when on an effect is there: the number of a phase, the time in a record, or that into every run.
+fn since(name: &str, when: &Amount) -> String {
+    match (name, when.unit.as_str()) {
+        ("elapsed", _) => format!(", from {} into every run on", amount(when)),
+        (_, "s") => since_s(when.value),
+        (_, "1") => format!(", from phase {} on", fixed(when.value.ceil(), 0)),
+        _ => format!(", from {} on", amount(when)),
     }
 }

@@ -57,8 +57,8 @@ impl Tested {
     /// Widens the ranges by the rows of a measurement that a fit used.
     fn add(&mut self, pass: &Pass, measurement: &Measurement) {
         let rows = || (0..measurement.len()).filter(|&row| !measurement.ignored(row) && !measurement.held_out(row));
-        // A date and the switch of an adopted effect are no conditions of a test.
-        let is_condition = |index: usize| Some(index) != pass.model.date && pass.model.inputs[index].settable;
+        // A clock and the switch of an adopted effect are no conditions of a test.
+        let is_condition = |index: usize| !pass.model.clocks.has(index) && pass.model.inputs[index].settable;
         for (index, input) in pass.model.inputs.iter().enumerate().filter(|(index, _)| is_condition(*index)) {
             let values = rows().filter_map(|row| input_in_row(measurement, row, index));
             widen(&mut self.inputs, &input.name, &input.unit, values);

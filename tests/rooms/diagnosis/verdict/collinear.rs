@@ -1,15 +1,16 @@
 //! Tests of `core/src/diagnosis/verdict/collinear.rs`.
 
 use bmv::diagnosis::verdict::collinear::*;
+use bmv::math::functions::{cos, sin};
 
 #[test]
 fn inputs_that_move_together_are_found_closest_first() {
     let rows: Vec<f64> = (0..40).map(f64::from).collect();
     let of = |own: &dyn Fn(f64) -> f64| rows.iter().map(|row| own(*row)).collect::<Vec<f64>>();
-    let own = of(&|t| (0.3 * t).sin());
-    let opposite = of(&|t| 5.0 - 2.0 * (0.3 * t).sin());
-    let near = of(&|t| (0.3 * t).sin() + 0.2 * (2.1 * t).cos());
-    let other = of(&|t| (1.1 * t).cos());
+    let own = of(&|t| sin(0.3 * t));
+    let opposite = of(&|t| 5.0 - 2.0 * sin(0.3 * t));
+    let near = of(&|t| sin(0.3 * t) + 0.2 * cos(2.1 * t));
+    let other = of(&|t| cos(1.1 * t));
     let held = of(&|_| 3.0);
     let absent = of(&|_| f64::NAN);
     let all = [own, opposite, near, other, held, absent];

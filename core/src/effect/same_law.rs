@@ -1,0 +1,78 @@
+//! Effects that are the same law, whatever its parameters and inputs are called.
+
+use std::collections::BTreeMap;
+
+use crate::expression::{ExprId, Graph, Names, Scope, Symbol, parse};
+
+use super::candidate::Candidate;
+use super::catalogue::Catalogue;
+use super::checked::Effect;
+use super::form::AddsForm;
+
+/// Without effects of the program where a study's own is the same law: no data tell the two apart.
+pub(super) fn without_copies(catalogue: &Catalogue, candidates: Vec<Candidate>) -> Vec<Candidate> {
+    let of_study: Vec<&Effect> = catalogue.effects().iter().filter(|effect| !effect.embedded).collect();
+    let copied = |effect: &Effect| -> Vec<&str> {
+        let alike = of_study.iter().filter(|own| own.is_same_law(effect));
+        alike.map(|own| own.name.as_str()).collect()
+    };
+    let copies: BTreeMap<&str, Vec<&str>> = (catalogue.effects().iter().filter(|effect| effect.embedded))
+        .map(|effect| (effect.name.as_str(), copied(effect)))
+        .filter(|(_, own)| !own.is_empty())
+        .collect();
+    let is_copy = |one: &Candidate| {
+        copies.get(one.effect.as_str()).is_some_and(|own| {
+            let is_own = |other: &&Candidate| own.contains(&other.effect.as_str());
+            candidates.iter().filter(is_own).any(|other| other.site == one.site && other.bound == one.bound)
+        })
+    };
+    let kept: Vec<bool> = candidates.iter().map(|one| !is_copy(one)).collect();
+    candidates.into_iter().zip(kept).filter_map(|(one, keep)| keep.then_some(one)).collect()
+}
+
+impl Effect {
+    /// Whether a load is the same with its two inputs exchanged.
+    pub(super) fn is_symmetric(&self) -> bool {
+        let (Some(load), 2) = (&self.form.adds.value.load, self.form.inputs.len()) else { return false };
+        let mut graph = Graph::new();
+        let first = self.law(&load.value, &mut graph, &[0, 1]);
+        first.is_some() && first == self.law(&load.value, &mut graph, &[1, 0])
+    }
+
+    /// Whether both add nothing but the same heat, factor or reading, whatever its parameters and inputs are called.
+    pub fn is_same_law(&self, other: &Self) -> bool {
+        let (own, others) = (&self.form.adds.value, &other.form.adds.value);
+        let expression = |adds: &AddsForm| -> [Option<String>; 4] {
+            [&adds.flow, &adds.load, &adds.factor, &adds.reading].map(|one| one.as_ref().map(|text| text.value.clone()))
+        };
+        if own.given().len() != 1
+            || others.given().len() != 1
+            || self.form.inputs.len() != other.form.inputs.len()
+            || self.form.parameters.len() != other.form.parameters.len()
+        {
+            return false;
+        }
+        let order: Vec<u32> = (0u32..).take(self.form.inputs.len()).collect();
+        let mut graph = Graph::new();
+        expression(own).into_iter().zip(expression(others)).any(|pair| {
+            let (Some(one), Some(two)) = pair else { return false };
+            let first = self.law(&one, &mut graph, &order);
+            first.is_some() && first == other.law(&two, &mut graph, &order)
+        })
+    }
+
+    /// An expression of the effect where its inputs stand for these of a model; `None` where it does not parse.
+    fn law(&self, text: &str, graph: &mut Graph, inputs: &[u32]) -> Option<ExprId> {
+        let mut names = Names::default();
+        for (index, entry) in (0u32..).zip(&self.form.parameters) {
+            names.values.insert(entry.name.clone(), graph.symbol(Symbol::Parameter(index)));
+        }
+        let places = (0u32..).zip(["T", "Ta", "Tb", "Tm", "rate", "zero"]);
+        let mut locals: Vec<(&str, ExprId)> =
+            places.map(|(index, name)| (name, graph.symbol(Symbol::Node(index)))).collect();
+        locals.extend(
+            self.form.inputs.names().zip(inputs).map(|(name, &input)| (name, graph.symbol(Symbol::Input(input)))),
+        );
+        parse(text, graph, &Scope::with(&names, locals)).ok()
+    }
+}
