@@ -170,18 +170,25 @@ impl Diagnosis {
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
             let step = self.step(state, &logs, at);
-            let Some(next) = step.chosen else {
+            let mut other = None;
+            if let Some(next) = step.chosen {
+                story.sets.push(next);
                 story.steps.push(step);
-                break;
-            };
-            story.sets.push(next);
-            story.steps.push(step);
-            at = next;
-            while let Some((better, earlier)) = self.exchange(state, &logs, &story) {
+                at = next;
+            } else {
+                // Where nothing more is added, another beginning may lead further.
+                other = self.exchange(state, &logs, &story, 1);
+                if other.is_none() {
+                    story.steps.push(step);
+                    break;
+                }
+            }
+            while let Some((better, earlier)) = other.or_else(|| self.exchange(state, &logs, &story, 0)) {
                 // What was added first may stand for what is only seen now.
                 let shortened: Vec<usize> = story.sets[..earlier].to_vec();
                 story = self.along(state, &logs, shortened, better);
                 at = better;
+                other = None;
             }
         }
         let ordered = self.largest_first(state, &logs, story);
@@ -332,10 +339,11 @@ impl Diagnosis {
         Step { before: at, chosen: chosen.map(|one| one.place), stays, additions }
     }
 
-    /// The most probable set of the story's size that is more probable than its end, with another effect in the place of an
-    /// earlier one, and the step of that one. The other explained as much when that one was added, or that one is a minor
-    /// member beside what was added since.
-    fn exchange(&self, state: &State, logs: &[f64], story: &Story) -> Option<(usize, usize)> {
+    /// The most probable set with so many effects more than the story that is more probable than its end, with another effect in the
+    /// place of an earlier one, and the step of that one. The other explained as much when that one was added, or that one is a minor
+    /// member beside what was added since. A larger set has to be clearly more probable, and to err less on unseen rows; the other
+    /// then has to pay alone.
+    fn exchange(&self, state: &State, logs: &[f64], story: &Story, more: usize) -> Option<(usize, usize)> {
         let end = *story.sets.last()?;
         let members = &state.refits[end].effects;
         let gains: Vec<f64> = members.iter().map(|&member| self.gain_of(state, logs, end, member)).collect();
@@ -344,25 +352,30 @@ impl Diagnosis {
             members.iter().zip(&gains).any(|(&one, gain)| one == member && *gain < MINOR_SHARE * largest)
         };
         let mut best: Option<(usize, usize)> = None;
-        for (number, step) in story.steps.iter().enumerate().take(story.steps.len().saturating_sub(1)) {
+        // The last effect has had the whole choice of its own.
+        let earlier = if more == 0 { story.steps.len().saturating_sub(1) } else { story.steps.len() };
+        let least = logs[end] + if more == 0 { 0.0 } else { CLEARLY };
+        for (number, step) in story.steps.iter().enumerate().take(earlier) {
             let chosen = step.chosen?;
             let gain = logs[chosen] - logs[step.before];
             let member =
                 state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
             let is_alike = |one: &&Addition| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain);
-            for other in step.additions.iter().filter(|one| is_alike(one) || is_minor(*member)) {
+            let pays = |one: &&Addition| more > 0 && pays(state, logs, step.before, one.place);
+            for other in step.additions.iter().filter(|one| is_alike(one) || is_minor(*member) || pays(one)) {
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
                     let effects = &state.refits[place].effects;
-                    effects.len() == members.len()
+                    let errors = unseen(&state.refits[end], &state.refits[place]);
+                    effects.len() == members.len() + more
                         && effects.contains(&other.effect)
                         && !effects.contains(member)
                         && before.iter().all(|one| effects.contains(one))
                         && effects.iter().all(|&one| members.contains(&one) || !self.is_unknown_function(one))
-                        && !rises(unseen(&state.refits[end], &state.refits[place]))
+                        && if more == 0 { !rises(errors) } else { falls(errors) }
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
-                let place = place.filter(|&place| logs[place] > logs[best.map_or(end, |best| best.0)]);
+                let place = place.filter(|&place| logs[place] > best.map_or(least, |best| logs[best.0]));
                 if let Some(place) = place {
                     best = Some((place, number + 1));
                 }
