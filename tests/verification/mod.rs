@@ -42,4 +42,5 @@ mod steady;
 mod thermometers;
 mod threshold_diagnosis;
 mod transient;
+mod two_beginnings;
 mod windows;
