@@ -14,7 +14,7 @@ use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::Step;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;
-use crate::diagnosis::verdict::words;
+use crate::diagnosis::verdict::effect_words;
 use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::exp;
 use crate::math::sum::log_sum_exp;
@@ -114,7 +114,7 @@ impl Diagnosis {
             results.insert(curve, law);
         }
         for result in &mut results {
-            result.since = words::since(result, findings.problem);
+            result.since = effect_words::since(result, findings.problem);
         }
         results
     }

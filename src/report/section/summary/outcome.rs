@@ -3,7 +3,7 @@
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{DiscriminatingStep, EffectResult, Output as Diagnosis};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
-use crate::diagnosis::verdict::words::time;
+use crate::diagnosis::verdict::experiment_words::time;
 use crate::document::canonical::quoted;
 use crate::document::p_stated;
 use crate::document::visible::shell_word;

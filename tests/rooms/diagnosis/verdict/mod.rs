@@ -1,8 +1,11 @@
 mod collinear;
 mod discriminating_experiment;
+mod effect_words;
 mod everywhere;
+mod experiment_words;
 mod few_readings;
 mod lumped_nodes;
+mod numbers;
 mod selection;
 mod small_effects;
 mod still;

@@ -1,0 +1,202 @@
+//! An effect in words: its size, when it sets in, what it carries, what else may be it.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
+use crate::diagnosis::output::{Amount, EffectResult};
+use crate::diagnosis::verdict::numbers::{short, with_error};
+use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
+use crate::document::percent;
+use crate::expression::Unit;
+use crate::expression::unit::CELSIUS_ZERO_K;
+use crate::measurement::{Rows, calendar};
+use crate::random::Distribution;
+use crate::thermal::Clock;
+
+/// The first parameter of a curve.
+const FIRST_KNOT: &str = "knot_1";
+
+/// Standard deviations between the mean and the most probable value from which both are stated.
+const ELSEWHERE: f64 = 0.1;
+
+/// Start temperatures that are stated of an effect.
+const MOST_STARTS: usize = 3;
+
+/// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
+/// first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
+pub fn size(effect: &EffectResult) -> String {
+    let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != FIRST_KNOT);
+    first.map_or_else(String::new, |(name, amount)| {
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        if amount.at_bound {
+            return format!(", {name} {}{unit}, at a bound", short(amount.value, 3));
+        }
+        let mean = with_error(amount.value, amount.sd);
+        if (amount.most_probable - amount.value).abs() <= ELSEWHERE * amount.sd {
+            return format!(", {name} {mean}{unit}");
+        }
+        format!(", {name} {mean}{unit} (most probable with all others {}{unit})", short(amount.most_probable, 4))
+    })
+}
+
+/// When an effect sets in, after a comma: between two phases, at a time, or at a time into every run.
+pub(super) fn onset(effect: &EffectResult, problem: &Problem) -> String {
+    let Some((clock, amount)) = timed(effect, problem) else { return String::new() };
+    if clock == Clock::Elapsed {
+        return format!(", from {} {} into every run on", with_error(amount.value, amount.sd), amount.unit);
+    }
+    let mut phases: Vec<(f64, &str)> = Vec::new();
+    for measurement in &problem.measurements {
+        let Rows::Steady(own) = &measurement.rows else { continue };
+        let level = |row: usize| measurement.level(&problem.model, row, problem.model.clocks.get(clock)?);
+        phases.extend(own.iter().enumerate().filter_map(|(row, phase)| Some((level(row)?, phase.name.as_str()))));
+    }
+    phases.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let after = phases.partition_point(|phase| phase.0 <= amount.most_probable);
+    match (after.checked_sub(1).map(|before| phases[before].1), phases.get(after)) {
+        (Some(before), Some((_, after))) => format!(", between the phases {before} and {after}"),
+        _ => {
+            // Stretches of a record are told in hours.
+            let (scale, unit) = if amount.unit == "s" { (3600.0, "h") } else { (1.0, amount.unit.as_str()) };
+            let when = with_error(amount.value / scale, amount.sd / scale);
+            let since = effect.since.as_ref().map_or_else(String::new, |since| format!(" ({since})"));
+            format!(", from {when} {unit}{since} on")
+        }
+    }
+}
+
+/// Date and time from which on an effect is there, where that is known.
+pub(super) fn since(effect: &EffectResult, problem: &Problem) -> Option<String> {
+    let (_, amount) = timed(effect, problem).filter(|(clock, _)| *clock == Clock::Date)?;
+    calendar(&problem.model, &problem.measurements, amount.most_probable)
+}
+
+/// The parameter that says when an effect sets in, and by which clock.
+pub(super) fn timed<'e>(effect: &'e EffectResult, problem: &Problem) -> Option<(Clock, &'e Amount)> {
+    let own = problem.catalogue.get(&effect.effect)?;
+    let clock = Clock::ALL.into_iter().find(|&clock| own.depends_on(clock))?;
+    let is_time = |name: &str| own.form.parameters.get(name).is_some_and(|form| form.value.unit_of.is_some());
+    let (_, amount) = effect.amplitudes.iter().find(|(name, _)| is_time(name))?;
+    Some((clock, amount))
+}
+
+/// That a prior is too narrow, and by how much.
+pub(super) fn too_narrow(effect: &EffectResult, problem: &Problem) -> String {
+    let name = effect.place.first().map_or("", String::as_str);
+    let own = problem.model.parameters.iter().zip(&problem.priors).find(|(own, _)| own.name == name);
+    let held = own.map_or_else(String::new, |(own, prior)| {
+        let unit = Unit::parse(&own.unit).ok();
+        let shown = |si: f64| short(unit.as_ref().map_or(si, |unit| unit.from_si(si)), 3);
+        let (lower, upper) = prior.support();
+        let ends = match prior {
+            Distribution::Normal { .. } | Distribution::LogNormal { .. } | Distribution::HalfNormal { .. } => {
+                format!("{} to {} (95 %)", shown(prior.quantile(0.025)), shown(prior.quantile(0.975)))
+            }
+            _ => format!("{} to {}", shown(lower), shown(upper)),
+        };
+        let text = if own.unit == "1" { String::new() } else { format!(" {}", own.unit) };
+        format!(", and its prior says {ends}{text}")
+    });
+    let wanted = effect.amplitudes.values().next().map_or_else(String::new, |amount| {
+        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        format!(" wants to be {}{unit}", with_error(amount.value, amount.sd))
+    });
+    format!(
+        "A prior is too narrow, or a number is wrong: `{name}`{wanted}{held} ({}); probability {}, log Bayes factor {:.1}. Check this before anything is added to the model.",
+        effect.id,
+        percent(effect.probability),
+        effect.log_bayes_factor
+    )
+}
+
+/// Probability below which it is not said that errors of the model may be what an effect explains.
+const LEAST_MODEL_ERROR: f64 = 0.05;
+
+/// What would read the same as an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Likeness {
+    /// A gradient within its node.
+    Gradient,
+    /// A source or a store of heat.
+    Source,
+    /// What was peculiar to each of a few phases.
+    Phases,
+    /// Nothing in particular.
+    None,
+}
+
+/// That errors of the model itself, or what else reads the same, may be what an effect explains.
+pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
+    if effect.model_error >= IS_MODEL_ERROR {
+        // What is said of its size is why, where it is implausible.
+        let is_implausible = effect.prior_width >= WIDTHS[IMPLAUSIBLE].factor && !effect.within_model;
+        let words = match (likeness, is_implausible) {
+            (Likeness::Gradient, _) => {
+                "A gradient within the node would read the same: divide the node to see. Half of the probability is given to that."
+            }
+            (Likeness::Source, _) => {
+                "These surroundings are warmer than every boundary: a part that stores or makes heat would read the same. Half of the probability is given to that."
+            }
+            (Likeness::Phases, _) => {
+                "There are hardly more phases than the curve has values: what was peculiar to each phase would read the same. Half of the probability is given to that."
+            }
+            (Likeness::None, true) => {
+                "Errors of the model itself may be all that it stands for: half of the probability is given to them."
+            }
+            (Likeness::None, false) => {
+                "It explains less than what else is missing: errors of the model itself may be all that it stands for, so that half of the probability is given to them."
+            }
+        };
+        return format!(" {words}");
+    }
+    if effect.model_error < LEAST_MODEL_ERROR {
+        return String::new();
+    }
+    format!(" Errors of the model itself explain as much with probability {}.", percent(effect.model_error))
+}
+
+/// That an effect is larger than thought.
+pub(super) fn surprising(effect: &EffectResult) -> String {
+    if effect.prior_width <= 1.0 {
+        return String::new();
+    }
+    if effect.within_model {
+        return " It is larger than the catalogue's usual sizes, but carries no more heat than the model moves."
+            .to_owned();
+    }
+    format!(
+        " It is larger than what the catalogue takes for plausible, whose prior had to be {} times as wide: can it be so large here?",
+        effect.prior_width
+    )
+}
+
+/// The heat that an effect moves, where it moves any.
+pub(super) fn carried(effect: &EffectResult) -> String {
+    let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) else { return String::new() };
+    let node = &first.node;
+    let range = |least: f64, most: f64| match (short(least, 2), short(most, 2)) {
+        (least, most) if least == most => format!("{least} W"),
+        (least, most) => format!("{least} to {most} W"),
+    };
+    if effect.amplitudes.contains_key(FIRST_KNOT) {
+        // A curve's level trades for whatever else is constant there.
+        let swing = short(most - least, 2);
+        return format!(", heat that varies by {swing} W into {node} ({})", range(least, most));
+    }
+    if most <= 0.0 {
+        return format!(", which takes {} from {node}", range(-most, -least));
+    }
+    format!(", which gives {node} {}", range(least, most))
+}
+
+/// Where the parts that an effect adds start, where that was inferred.
+pub(super) fn started(effect: &EffectResult) -> String {
+    let mut starts: Vec<String> = Vec::new();
+    for start in effect.starts.iter().take(MOST_STARTS) {
+        starts.push(format!("{:.1} degC in `{}`", start.most_probable_k - CELSIUS_ZERO_K, start.measurement));
+    }
+    match effect.starts.len() {
+        0 => String::new(),
+        all if all > MOST_STARTS => format!(", and starts at {} (and {} more)", starts.join(", "), all - MOST_STARTS),
+        _ => format!(", and starts at {}", starts.join(", ")),
+    }
+}

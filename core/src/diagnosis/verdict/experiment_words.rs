@@ -1,0 +1,156 @@
+//! A test that would part rivals, in words, and what it goes beyond.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::output::{DiscriminatingExperiment, DiscriminatingStep, OneThing, OnlyInTransients, Setting};
+use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
+use crate::diagnosis::verdict::numbers::{joined, rounded, short};
+use crate::diagnosis::verdict::tested::{self, FAR_BEYOND_K, Tested};
+use crate::document::{percent, upper};
+use crate::expression::Unit;
+use crate::expression::unit::CELSIUS_ZERO_K;
+use crate::thermal::Model;
+
+impl OnlyInTransients {
+    /// That no steady phase can part the sets, and the step that does, in sentences.
+    pub fn in_words(&self, model: &Model) -> String {
+        format!("{}.", upper(&self.clause(model)))
+    }
+
+    /// The same in short.
+    pub fn in_brief(&self, model: &Model) -> String {
+        let none = "No steady phase can tell what stores heat apart";
+        let Some(step) = &self.step else { return format!("{none}.") };
+        let (what, time, probability) = (step.in_words(model), time(step.duration_s), percent(step.probability));
+        let guess = if is_worth_a_test(step.probability) { "" } else { ", guessing with 50 %" };
+        format!("{none}; {what}, watched for {time}, would with probability {probability}{guess}.")
+    }
+
+    /// The same at length, to follow a semicolon.
+    pub fn clause(&self, model: &Model) -> String {
+        let none = format!(
+            "no steady phase can tell {} apart: they differ in what stores heat, which shows while temperatures change",
+            joined(&self.between)
+        );
+        let Some(step) = &self.step else {
+            return format!("{none}; a step of an input would, but none that can be set has a range");
+        };
+        let about = match (step.limits_ok, step.near_tested) {
+            (false, _) => ", but red limits of a node are passed",
+            (true, false) => ", but sensors would read far beyond all readings so far",
+            (true, true) => "",
+        };
+        let beyond = if step.was_set { "" } else { ", farther than it was set so far" };
+        let what = format!(
+            "{}{beyond}, the other inputs as at the beginning of {}, watched for {} ({} time constants of {}, the slowest)",
+            step.in_words(model),
+            step.like,
+            time(step.duration_s),
+            rounded(step.duration_s / step.time_constant_s, 2),
+            step.slowest,
+        );
+        let probability = percent(step.probability);
+        match is_worth_a_test(step.probability) {
+            true => format!("{none}; {what}, would with probability {probability}{about}"),
+            false => format!(
+                "{none}; no step within the stated ranges is worth a test by itself: the best, {what}, would with probability {probability}, guessing with 50 %{about}"
+            ),
+        }
+    }
+}
+
+impl DiscriminatingStep {
+    /// The step, as in `a step of P_heater from 0 to 10 W`.
+    pub fn in_words(&self, model: &Model) -> String {
+        let written = model.inputs.iter().find(|input| input.name == self.input).map(|input| input.unit.as_str());
+        let unit = written.unwrap_or(self.from.unit.as_str());
+        let parsed = Unit::parse(unit).ok();
+        let shown =
+            |setting: &Setting| rounded(parsed.as_ref().map_or(setting.value, |unit| unit.from_si(setting.value)), 3);
+        let text = if unit == "1" { String::new() } else { format!(" {unit}") };
+        format!("a step of {} from {} to {}{text}", self.input, shown(&self.from), shown(&self.to))
+    }
+}
+
+/// A duration in the unit that suits it.
+pub fn time(seconds: f64) -> String {
+    match seconds {
+        short_time if short_time < 120.0 => format!("{} s", rounded(short_time, 2)),
+        middling if middling < 7200.0 => format!("{} min", rounded(middling / 60.0, 2)),
+        long if long < 172_800.0 => format!("{} h", rounded(long / 3600.0, 2)),
+        days => format!("{} d", rounded(days / 86_400.0, 2)),
+    }
+}
+
+impl OneThing {
+    /// That no phase parts the sets, in a sentence.
+    pub fn in_words(&self) -> String {
+        format!("{}.", upper(&self.clause()))
+    }
+
+    /// The same, to follow a semicolon.
+    pub fn clause(&self) -> String {
+        format!(
+            "no steady phase within the stated ranges reliably tells {} apart: the best one does so with probability {}, a repeated one with {}, guessing with 50 %",
+            joined(&self.sets),
+            percent(self.probability),
+            percent(self.repeat_probability)
+        )
+    }
+}
+
+/// That a proposed phase goes far beyond all readings so far.
+pub(super) fn beyond_what_was_measured(experiment: &DiscriminatingExperiment, problem: &Problem) -> Option<String> {
+    let tested = Tested::of(problem);
+    let [low, high] = tested.temperatures_k?;
+    let is_temperature = |name: &str| {
+        let mut own = problem.measurements.iter().flat_map(|own| &own.sensors).filter(|sensor| sensor.name == name);
+        own.any(|sensor| problem.model.quantities[sensor.quantity].is_temperature)
+    };
+    let predicted = experiment.predictions.iter().filter(|(sensor, _)| is_temperature(sensor));
+    let predicted = predicted.flat_map(|(sensor, values)| values.iter().map(move |value| (sensor, *value)));
+    let predicted = predicted.filter(|(_, value)| value.is_finite());
+    let (sensor, value) = predicted.max_by(|a, b| tested.beyond_k(a.1).total_cmp(&tested.beyond_k(b.1)))?;
+    (tested.beyond_k(value) > FAR_BEYOND_K).then(|| {
+        format!(
+            "There `{sensor}` would read {:.0} degC, while all readings so far lie between {:.0} and {:.0} degC: is the hardware made for that?",
+            value - CELSIUS_ZERO_K,
+            low - CELSIUS_ZERO_K,
+            high - CELSIUS_ZERO_K
+        )
+    })
+}
+
+/// Inputs that the words on a proposed phase name.
+const MOST_SETTINGS: usize = 4;
+
+/// Share of the tested span by which a setting may lie outside it and count as tested.
+const NEARLY_TESTED: f64 = 0.02;
+
+/// That a proposed phase sets inputs to what no fitted data have: within the stated ranges, and perhaps beyond what the test can do.
+pub fn beyond_what_was_set(experiment: &DiscriminatingExperiment, problem: &Problem) -> Option<String> {
+    let mut outside: Vec<String> = Vec::new();
+    for (index, input) in problem.model.inputs.iter().enumerate() {
+        let Some(setting) = experiment.conditions.get(&input.name) else { continue };
+        let Some([low, high]) = tested::input(&problem.measurements, index) else { continue };
+        let near = NEARLY_TESTED * (high - low).abs();
+        if (low - near..=high + near).contains(&setting.value) {
+            continue;
+        }
+        let unit = Unit::parse(&input.unit).ok();
+        let shown = |si: f64| short(unit.as_ref().map_or(si, |unit| unit.from_si(si)), 3);
+        let text = if input.unit == "1" { String::new() } else { format!(" {}", input.unit) };
+        let so_far = if low == high { shown(low) } else { format!("{} to {}", shown(low), shown(high)) };
+        outside.push(format!("`{}` at {}{text} (so far {so_far}{text})", input.name, shown(setting.value)));
+    }
+    let more = outside.len().saturating_sub(MOST_SETTINGS);
+    outside.truncate(MOST_SETTINGS);
+    if more > 0 {
+        outside.push(format!("{more} more"));
+    }
+    (!outside.is_empty()).then(|| {
+        format!(
+            "It sets what these data do not have: {}. What the test cannot set is kept out by a narrower `range` of that input in the model.",
+            outside.join(", ")
+        )
+    })
+}

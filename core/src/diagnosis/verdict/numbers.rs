@@ -1,0 +1,52 @@
+//! Numbers and lists as people read them.
+
+/// A value and its spread, to two digits of the spread.
+pub fn with_error(value: f64, sd: f64) -> String {
+    let decimals = 1.0 - (crate::math::functions::ln(sd) / core::f64::consts::LN_10).floor();
+    if sd > 0.0 && (0.0..=8.0).contains(&decimals) {
+        let decimals = decimals as usize;
+        return format!("{value:.decimals$} ± {sd:.decimals$}");
+    }
+    let largest = value.abs().max(sd);
+    let power = (crate::math::functions::ln(largest) / core::f64::consts::LN_10).floor();
+    // Far more digits than anybody reads, or nothing to divide by.
+    if !(sd > 1e-6 * largest && largest < f64::INFINITY) || power == 0.0 {
+        return format!("{} ± {}", short(value, 3), short(sd, 2));
+    }
+    // One power of ten for both.
+    let unit = crate::math::functions::pow(10.0, power);
+    format!("({})e{power}", with_error(value / unit, sd / unit))
+}
+
+/// A number to some significant digits.
+pub fn short(value: f64, digits: usize) -> String {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || !magnitude.is_finite() {
+        // Not "-0".
+        return format!("{}", value + 0.0);
+    }
+    let power = (crate::math::functions::ln(magnitude) / core::f64::consts::LN_10).floor();
+    if !(-4.0..6.0).contains(&power) {
+        return format!("{value:.*e}", digits - 1);
+    }
+    format!("{value:.*}", (digits as f64 - 1.0 - power).max(0.0) as usize)
+}
+
+/// The same without zeros at its end.
+pub fn rounded(value: f64, digits: usize) -> String {
+    let text = short(value, digits);
+    text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
+}
+
+/// `a, b and c`.
+pub(super) fn joined(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+/// A temperature difference, K: in hundredths, a smaller one to two digits.
+pub(super) fn kelvins(value: f64) -> String {
+    if value < 0.095 { short(value, 2) } else { format!("{value:.2}") }
+}

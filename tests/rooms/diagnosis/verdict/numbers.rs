@@ -1,0 +1,14 @@
+//! Tests of `core/src/diagnosis/verdict/numbers.rs`.
+
+use bmv::diagnosis::verdict::numbers::*;
+
+#[test]
+fn sizes_are_read_with_their_errors() {
+    assert_eq!(with_error(0.05143, 0.00273), "0.0514 ± 0.0027");
+    assert_eq!(with_error(8_680_000.0, 449_161.0), "(8.68 ± 0.45)e6");
+    assert_eq!(with_error(-1234.0, 250.0), "(-1.23 ± 0.25)e3");
+    assert_eq!(with_error(1.0, 0.0), "1.00 ± 0");
+    assert_eq!(with_error(1.0, 1e-8), "1.00 ± 1.0e-8");
+    assert_eq!(with_error(f64::NAN, 1.0), "NaN ± 1.0");
+    assert_eq!(short(-0.0, 2), "0");
+}
