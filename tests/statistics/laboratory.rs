@@ -215,3 +215,12 @@ fn a_strong_path_is_found_and_all_laws_are_fitted_at_its_place() {
         state.refits.iter().map(|refit| refit.effects.iter().map(id).collect::<Vec<_>>()).collect::<Vec<_>>()
     );
 }
+
+/// Rivals in what stores heat, of which one has a sensor with an offset of its own: a step that parts them is sought with the
+/// quantities of that rival.
+#[test]
+#[ignore = "a minute: a whole diagnosis of a transient"]
+fn a_step_between_rivals_with_other_sensors_is_judged() {
+    let outcome = bmv::twin::drawn_case(&catalogue(), &bmv::twin::finer(79), 103, 79);
+    assert!(outcome.answer.is_some(), "{:?}", outcome.reason);
+}

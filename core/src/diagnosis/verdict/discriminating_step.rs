@@ -12,7 +12,7 @@ use crate::diagnosis::verdict::tested::{self, Tested};
 use crate::math::functions::pow;
 use crate::measurement::prediction::{Prediction, Predictor};
 use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows};
-use crate::thermal::Clock;
+use crate::thermal::{Clock, Model};
 use crate::watch;
 
 /// Inputs whose steps are tried: those that moved over the largest shares of their ranges.
@@ -129,7 +129,7 @@ fn judge(
     let parameters = first.full_parameters(&first.at(&stepped(problem, first, template, step, &[0.0, 1.0])?)?)?;
     let predictor = Predictor::new(&first.problem.model, &[]).ok()?;
     let predict = |measurement: &Measurement| predictor.predict(&mut predictor.workspace(), measurement, &parameters);
-    let slowest = slowest(problem, &coarse, &predict(&coarse), &looked_at)?;
+    let slowest = slowest(&first.problem.model, &coarse, &predict(&coarse), &looked_at)?;
     let duration_s = (TIME_CONSTANTS * slowest.1).min(longest_s);
     let rows = (template.len() as f64 * duration_s / span_s(template)) as usize;
     let rows = rows.clamp(LEAST_ROWS, MOST_ROWS);
@@ -212,15 +212,16 @@ fn stepped(
     })
 }
 
-/// The sensor of those that follow the step which is last to have all but 1/e of its change behind it, and when, s.
+/// The sensor of those that follow the step which is last to have all but 1/e of its change behind it, and when, s. The model is that
+/// of the rival, whose effects may change what a sensor reads.
 fn slowest(
-    problem: &Problem,
+    model: &Model,
     measurement: &Measurement,
     prediction: &Prediction,
     instants: &[f64],
 ) -> Option<(usize, f64)> {
     let width = measurement.sensors.len();
-    let is_temperature = |sensor: usize| problem.model.quantities[measurement.sensors[sensor].quantity].is_temperature;
+    let is_temperature = |sensor: usize| model.quantities[measurement.sensors[sensor].quantity].is_temperature;
     let is_read = |sensor: usize| measurement.readings[width..2 * width][sensor].is_some();
     let at = |row: usize, sensor: usize| prediction.readings[row * width + sensor];
     let last = measurement.len() - 1;
