@@ -99,8 +99,8 @@ fn better(a: Judged, b: Judged) -> Judged {
 fn steps(problem: &Problem, wide: bool) -> Vec<Stepped> {
     let mut inputs: Vec<(f64, usize, [f64; 2])> = Vec::new();
     for (index, [lower, upper]) in settable(&problem.model) {
-        let clipped = tested::input(&problem.measurements, index)
-            .map(|[low, high]| [low.max(lower).min(upper), high.min(upper).max(lower)]);
+        let clipped =
+            tested::input(problem, index).map(|[low, high]| [low.max(lower).min(upper), high.min(upper).max(lower)]);
         let moved = clipped.filter(|[low, high]| low < high);
         let share = moved.map_or(0.0, |[low, high]| (high - low) / (upper - lower));
         let between = if wide { Some([lower, upper]) } else { moved };

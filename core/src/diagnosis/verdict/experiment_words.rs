@@ -131,7 +131,7 @@ pub fn beyond_what_was_set(experiment: &DiscriminatingExperiment, problem: &Prob
     let mut outside: Vec<String> = Vec::new();
     for (index, input) in problem.model.inputs.iter().enumerate() {
         let Some(setting) = experiment.conditions.get(&input.name) else { continue };
-        let Some([low, high]) = tested::input(&problem.measurements, index) else { continue };
+        let Some([low, high]) = tested::input(problem, index) else { continue };
         let near = NEARLY_TESTED * (high - low).abs();
         if (low - near..=high + near).contains(&setting.value) {
             continue;

@@ -12,9 +12,9 @@ use crate::diagnosis::output::{
 };
 use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::Step;
+use crate::diagnosis::verdict::effect_words;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;
-use crate::diagnosis::verdict::effect_words;
 use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::exp;
 use crate::math::sum::log_sum_exp;

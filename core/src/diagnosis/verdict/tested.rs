@@ -1,7 +1,6 @@
 //! What the data have tested: between which temperatures sensors read, and between which values inputs were set.
 
 use crate::diagnosis::Problem;
-use crate::measurement::{Measurement, Rows};
 use crate::thermal::Model;
 
 /// A temperature this far beyond all readings is far from what was tested, K.
@@ -24,10 +23,6 @@ impl Tested {
             let sensors = (0..own.sensors.len()).filter(of_temperature);
             sensors.flat_map(move |sensor| (0..own.len()).filter_map(move |row| own.reading(row, sensor)))
         });
-        let wider = |known: Option<[f64; 2]>, value: f64| {
-            let [low, high] = known.unwrap_or([value; 2]);
-            Some([low.min(value), high.max(value)])
-        };
         Self { temperatures_k: readings.fold(None, wider) }
     }
 
@@ -54,17 +49,16 @@ impl Tested {
 }
 
 /// Between which values an input was set, SI, over all rows that are not left out; nothing without rows.
-pub(super) fn input(measurements: &[Measurement], index: usize) -> Option<[f64; 2]> {
-    let mut tested: Option<[f64; 2]> = None;
-    for own in measurements {
-        for row in (0..own.len()).filter(|&row| !own.ignored(row)) {
-            let value = match &own.rows {
-                Rows::Steady(phases) => phases[row].inputs[index],
-                Rows::Transient { inputs, .. } => inputs.in_row(row, index),
-            };
-            let [low, high] = tested.unwrap_or([value; 2]);
-            tested = Some([low.min(value), high.max(value)]);
-        }
-    }
-    tested
+pub(super) fn input(problem: &Problem, index: usize) -> Option<[f64; 2]> {
+    let values = problem.measurements.iter().flat_map(|own| {
+        let rows = (0..own.len()).filter(|&row| !own.ignored(row));
+        rows.filter_map(|row| own.level(&problem.model, row, index))
+    });
+    values.fold(None, wider)
+}
+
+/// A range with one value more.
+fn wider(known: Option<[f64; 2]>, value: f64) -> Option<[f64; 2]> {
+    let [low, high] = known.unwrap_or([value; 2]);
+    Some([low.min(value), high.max(value)])
 }
