@@ -43,6 +43,8 @@ const FURTHER_INPUT: f64 = 1.1;
 const APART: f64 = 0.35;
 /// Relative change of the size with which readings count that matters.
 const CHANGES: f64 = 0.15;
+/// Most and fewest blocks of a transient.
+const BLOCKS: [f64; 2] = [50.0, 8.0];
 /// Share of the noise below which a model error is none.
 const NONE: f64 = 0.2;
 /// Least noise, as a share of the errors' root mean square: nothing is known without any.
@@ -245,6 +247,41 @@ impl Diagnosis {
             logs[one.place] = one.log_weight - FURTHER_INPUT * more - owed;
         }
         (evidences, logs)
+    }
+
+    /// Log likelihoods of the fitted readings by set and block, each with the model error that is most likely beside the set: a steady
+    /// phase is a block, or a stretch of a transient in which errors are alike.
+    pub(crate) fn log_likelihoods_of_blocks(&self, state: &State) -> Vec<Vec<f64>> {
+        let mut blocks = vec![Vec::new(); state.refits.len()];
+        let Some((_, instruments)) = self.reference(state) else { return blocks };
+        let problem = self.with_noise(&state.noise, &state.most_steps);
+        let readings = problem.fitted_readings();
+        let block = |reading: &FittedReading| {
+            let measured = &problem.measurements[reading.measurement];
+            let rows_of_block = match measured.rows {
+                Rows::Steady(_) => 1.0,
+                Rows::Transient { .. } => {
+                    let rows = measured.len() as f64;
+                    let [most, fewest] = BLOCKS.map(|count| rows / count);
+                    instruments[reading.measurement].readings_of_one.clamp(most, fewest)
+                }
+            };
+            (reading.measurement, (reading.row as f64 / rows_of_block) as usize)
+        };
+        let keys: Vec<(usize, usize)> = readings.iter().map(block).collect();
+        for one in self.beside_sets(state, &instruments) {
+            let errors = &state.refits[one.place].errors;
+            let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+            for (measurement, instrument) in instruments.iter().enumerate() {
+                let mine: Vec<usize> = (0..keys.len()).filter(|&k| keys[k].0 == measurement).collect();
+                let own = Errors { errors: mine.iter().map(|&k| errors[k]).collect(), ..instrument.clone() };
+                for (k, log) in mine.into_iter().zip(own.of_readings(one.sds[measurement])) {
+                    *sums.entry(keys[k]).or_default() += log;
+                }
+            }
+            blocks[one.place] = sums.into_values().collect();
+        }
+        blocks
     }
 
     /// The noise with the model error that the fitted sets want; `None` where it is that of before.

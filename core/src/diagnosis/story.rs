@@ -58,6 +58,8 @@ pub(crate) struct Story {
     pub logs: Vec<f64>,
     /// Log evidences of all sets, each with its own model error.
     pub log_evidences: Vec<f64>,
+    /// Log likelihoods of all sets by blocks of the fitted readings.
+    pub of_blocks: Vec<Vec<f64>>,
 }
 
 impl Story {
@@ -166,7 +168,7 @@ impl Diagnosis {
         let (log_evidences, weights) = self.log_weights_of_story(state);
         let seen = weights.into_iter().zip(&state.refits);
         let logs: Vec<f64> = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
-        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone(), log_evidences: Vec::new() };
+        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone(), log_evidences: Vec::new(), of_blocks: Vec::new() };
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
             let step = self.step(state, &logs, at);
@@ -192,7 +194,8 @@ impl Diagnosis {
             }
         }
         let ordered = self.largest_first(state, &logs, story);
-        Story { log_evidences, ..self.until_contradicted(state, &logs, ordered) }
+        let of_blocks = self.log_likelihoods_of_blocks(state);
+        Story { log_evidences, of_blocks, ..self.until_contradicted(state, &logs, ordered) }
     }
 
     /// The steps before the first whose effect is far less probable than another that fails on the unseen rows: it would follow
@@ -401,7 +404,7 @@ impl Diagnosis {
             if own.additions.iter().any(is_likely) { own } else { beside().unwrap_or(own) }
         };
         let steps = sets.windows(2).map(step).collect();
-        Story { sets, steps, logs: logs.to_vec(), log_evidences: Vec::new() }
+        Story { sets, steps, logs: logs.to_vec(), log_evidences: Vec::new(), of_blocks: Vec::new() }
     }
 
     /// The step to a set by the effect that another step added, as if that had come last.

@@ -50,11 +50,19 @@ const LEAST_INDEPENDENT: f64 = 30.0;
 impl Errors {
     /// Log likelihood with a model error; `freedom` is the share of the readings that the fit did not use up.
     pub fn log_likelihood(&self, sd: f64, freedom: f64) -> f64 {
-        let one = |(error, noise): (&f64, &f64)| {
+        self.logs(sd, freedom).sum::<f64>() / self.readings_of_one
+    }
+
+    /// What each reading adds to it.
+    pub fn of_readings(&self, sd: f64) -> Vec<f64> {
+        self.logs(sd, 1.0).map(|log| log / self.readings_of_one).collect()
+    }
+
+    fn logs(&self, sd: f64, freedom: f64) -> impl Iterator<Item = f64> {
+        self.errors.iter().zip(&self.noise).map(move |(error, noise)| {
             let variance = noise * noise + sd * sd;
             -0.5 * (ln(2.0 * std::f64::consts::PI * variance) + error * error / (freedom * variance))
-        };
-        self.errors.iter().zip(&self.noise).map(one).sum::<f64>() / self.readings_of_one
+        })
     }
 }
 

@@ -5,6 +5,7 @@
 //! wrong effect may gain on the right one.
 
 use crate::diagnosis::odds::posterior_odds::{MOST_RIVALS, RIVALS_WITHIN};
+use crate::diagnosis::odds::sampling::{odds_by_chance, standard_error};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::math::functions::{exp, ln};
 
@@ -22,30 +23,32 @@ struct Alternative {
     place: usize,
     /// Log odds by which that set stands behind the best one with the member.
     lag: f64,
+    /// Position of the latter.
+    best: usize,
 }
 
 impl Findings<'_> {
     /// Adds the effects that explain nearly as much to the groups, and takes their share from the members.
     pub(super) fn add_nearly_as_good(&mut self) {
-        let has_small = self.members().iter().any(|&effect| self.is_small(effect));
+        let has_small = self.members().iter().any(|&effect| self.is_minor(effect));
         let logs: Vec<f64> = match &self.story {
             Some(story) => story.logs.clone(),
             None if has_small => self.weights.sets.iter().map(|weight| ln(*weight)).collect(),
             None => return,
         };
         let tempering = self.tempering(&logs);
-        let mut all = self.lags(&logs);
-        all.sort_by(|a, b| a.lag.total_cmp(&b.lag).then(a.effect.cmp(&b.effect)));
+        let odds = |own: &Alternative| exp(-own.lag.max(0.0) / tempering).max(self.odds_by_chance(own));
+        let mut all: Vec<(f64, Alternative)> = self.lags(&logs).into_iter().map(|own| (odds(&own), own)).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.effect.cmp(&b.1.effect)));
         for group in 0..self.groups.len() {
-            let odds = |own: &Alternative| exp(-own.lag.max(0.0) / tempering);
-            let near = |own: &&Alternative| own.group == group && odds(own) * RIVALS_WITHIN >= 1.0;
-            let near: Vec<&Alternative> = all.iter().filter(near).take(MOST_RIVALS).collect();
-            let total = 1.0 + near.iter().map(|own| odds(own)).sum::<f64>();
+            let is_near = |(odds, own): &&(f64, Alternative)| own.group == group && odds * RIVALS_WITHIN >= 1.0;
+            let near: Vec<&(f64, Alternative)> = all.iter().filter(is_near).take(MOST_RIVALS).collect();
+            let total = 1.0 + near.iter().map(|(odds, _)| odds).sum::<f64>();
             let member = self.groups[group][0];
             let most = self.probability_as_weighed(member).min(1.0 / total);
             self.shared.insert(member, most);
-            for own in near {
-                let share = self.probability_as_weighed(own.effect).max(odds(own) / total);
+            for (odds, own) in near {
+                let share = self.probability_as_weighed(own.effect).max(odds / total);
                 self.shared.insert(own.effect, share);
                 if !self.groups.iter().any(|group| group.contains(&own.effect)) {
                     self.groups[group].push(own.effect);
@@ -55,6 +58,20 @@ impl Findings<'_> {
                 }
             }
         }
+    }
+
+    /// Odds that an effect stands behind by chance, where models have errors of their own.
+    fn odds_by_chance(&self, own: &Alternative) -> f64 {
+        let of_blocks = self.story.as_ref().map(|story| &story.of_blocks);
+        let se = of_blocks.and_then(|of| standard_error(&of[own.best], &of[own.place]));
+        se.map_or(0.0, |se| odds_by_chance(own.lag, se))
+    }
+
+    /// Whether an effect is so small that errors of the model may well be what it explains. What a story begins with is not small,
+    /// whatever else speaks against it.
+    fn is_minor(&self, effect: usize) -> bool {
+        let begins = self.story.is_some() && self.members().first() == Some(&effect);
+        self.is_small(effect) && !begins
     }
 
     /// Members of the selected set, in the order of the groups.
@@ -72,7 +89,7 @@ impl Findings<'_> {
             let before = refits.iter().position(|refit| refit.effects.iter().eq(rest.clone()))?;
             Some(logs[self.selected] - logs[before]).filter(|gain| gain.is_finite())
         };
-        let small = own.iter().filter(|&&effect| self.is_small(effect));
+        let small = own.iter().filter(|&&effect| self.is_minor(effect));
         1.0 + 2.0 * small.filter_map(gain).fold(0.0, f64::max) / LARGEST_OF_SOME
     }
 
@@ -80,7 +97,7 @@ impl Findings<'_> {
     fn lags(&self, logs: &[f64]) -> Vec<Alternative> {
         let refits = &self.state.refits;
         let members = self.members();
-        let large: Vec<usize> = (0..members.len()).filter(|&group| !self.is_small(members[group])).collect();
+        let large: Vec<usize> = (0..members.len()).filter(|&group| !self.is_minor(members[group])).collect();
         let alone = |effect: usize| {
             let place = refits.iter().position(|refit| refit.effects == [effect]);
             place.map_or(f64::NEG_INFINITY, |place| logs[place])
@@ -88,16 +105,15 @@ impl Findings<'_> {
         let is_unknown = |effect: usize| self.problem.is_unknown_function(effect);
         let is_of_group = |effect: usize| self.problem.candidates[effect].is_group();
         let mut found: Vec<Alternative> = Vec::new();
-        let mut best = f64::NEG_INFINITY;
+        let mut best: Option<usize> = None;
         for size in large.len().max(1)..=members.len() + 1 {
             let of_size =
                 || (0..refits.len()).filter(|&place| refits[place].effects.len() == size && logs[place].is_finite());
             let has_all = |place: &usize| large.iter().all(|&group| refits[*place].effects.contains(&members[group]));
             // What a larger set may gain beside the members was perhaps not tried.
-            best = of_size().filter(has_all).map(|place| logs[place]).fold(best, f64::max);
-            if best == f64::NEG_INFINITY {
-                continue;
-            }
+            let more_probable = |a: usize, b: usize| if logs[b] > logs[a] { b } else { a };
+            best = best.into_iter().chain(of_size().filter(has_all)).reduce(more_probable);
+            let Some(best) = best else { continue };
             for place in of_size() {
                 let effects = &refits[place].effects;
                 let absent: Vec<usize> =
@@ -105,7 +121,7 @@ impl Findings<'_> {
                 // Beyond those that stand for large members, as many stand for small ones.
                 let small_absent = members.len()
                     - large.len()
-                    - effects.iter().filter(|effect| members.contains(effect) && self.is_small(**effect)).count();
+                    - effects.iter().filter(|effect| members.contains(effect) && self.is_minor(**effect)).count();
                 let mut others: Vec<usize> =
                     effects.iter().copied().filter(|effect| !members.contains(effect)).collect();
                 // The strongest stands for the strongest.
@@ -120,11 +136,11 @@ impl Findings<'_> {
                     if (is_unknown(other) && !is_unknown(one)) || (is_of_group(one) && !is_of_group(other)) {
                         continue;
                     }
-                    let lag = best - logs[place];
+                    let lag = logs[best] - logs[place];
                     match found.iter_mut().find(|own| own.group == group && own.effect == effect) {
                         Some(known) if known.lag <= lag => {}
-                        Some(known) => (known.lag, known.place) = (lag, place),
-                        None => found.push(Alternative { group, effect, place, lag }),
+                        Some(known) => (known.lag, known.place, known.best) = (lag, place, best),
+                        None => found.push(Alternative { group, effect, place, lag, best }),
                     }
                 }
             }

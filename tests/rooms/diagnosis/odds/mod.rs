@@ -3,3 +3,4 @@ mod narrow_prior;
 mod posterior_odds;
 mod prior_odds;
 mod prior_scale;
+mod sampling;
