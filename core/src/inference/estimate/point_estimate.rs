@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::inference::estimate::identifiability::{self, Finding};
-use crate::inference::estimate::laplace::Laplace;
+use crate::inference::estimate::laplace::{self, Laplace};
 use crate::inference::estimate::natural::NaturalObjective;
 use crate::inference::estimate::optimise::{Bounds, Effort, Minimum, free_variables, hessian, minimise_beside};
 use crate::inference::estimate::truncated_moments::{Moments, moments};
@@ -171,7 +171,10 @@ pub fn estimate<T: LeastSquares>(
         return Err(SampleError::NoStart { tries: descents.len() as u64, reason });
     };
     let exact = settings.exact_hessian || best.penalised;
-    let curvature = exact.then(|| hessian(&mut objective, &best.x, &bounds)).flatten();
+    let free = free_variables(&best.x, &best.gradient, &bounds);
+    // Short of a minimum second derivatives may point down; the slopes' part of them does not.
+    let is_positive = |curvature: &Vec<f64>| laplace::factor(&best.x, &bounds, curvature, &free).is_some();
+    let curvature = exact.then(|| hessian(&mut objective, &best.x, &bounds)).flatten().filter(is_positive);
     let curvature = curvature.unwrap_or_else(|| product(&best.jacobian, best.x.len()));
     let elsewhere = descents.iter().rev().find_map(|descent| descent.end.is_some().then(|| descent.start.clone()));
     let findings = if settings.findings {
