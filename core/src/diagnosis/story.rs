@@ -6,6 +6,7 @@ use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
 use crate::diagnosis::{RISES, Refit};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
+use std::collections::BTreeSet;
 
 /// Log odds that are clear: by which a curve goes before a law, or a single place before a whole surface, and within which
 /// effects explain as much as one another.
@@ -48,7 +49,7 @@ pub(crate) struct Step {
 }
 
 /// How effects are added one by one.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Story {
     /// Positions of the sets, from nothing on.
     pub sets: Vec<usize>,
@@ -60,6 +61,8 @@ pub(crate) struct Story {
     pub log_evidences: Vec<f64>,
     /// Log likelihoods of all sets by blocks of the fitted readings.
     pub of_blocks: Vec<Vec<f64>>,
+    /// Effects that are no part of it, though more probable than nothing at a step: the unseen rows speak against them.
+    pub refused: BTreeSet<usize>,
 }
 
 impl Story {
@@ -139,6 +142,18 @@ fn pays(state: &State, logs: &[f64], at: usize, place: usize) -> bool {
     logs[place] > logs[at] && if own.effects.is_empty() { !rises(errors) } else { falls(errors) }
 }
 
+/// Effects that a story leaves out although they are more probable than nothing at a step.
+fn refused(state: &State, story: &Story) -> BTreeSet<usize> {
+    let own = &state.refits[story.end()].effects;
+    let is_refused = |step: &Step, one: &Addition| {
+        story.logs[one.place] > story.logs[step.before] && !pays(state, &story.logs, step.before, one.place)
+    };
+    let of_step = |step: &Step| -> Vec<usize> {
+        step.additions.iter().filter(|one| is_refused(step, one)).map(|one| one.effect).collect()
+    };
+    story.steps.iter().flat_map(of_step).filter(|effect| !own.contains(effect)).collect()
+}
+
 /// What may be added at a step, as it is weighed.
 #[derive(Clone, Copy, Debug)]
 pub struct Weighed {
@@ -168,7 +183,7 @@ impl Diagnosis {
         let (log_evidences, weights) = self.log_weights_of_story(state);
         let seen = weights.into_iter().zip(&state.refits);
         let logs: Vec<f64> = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
-        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone(), log_evidences: Vec::new(), of_blocks: Vec::new() };
+        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone(), ..Story::default() };
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
             let step = self.step(state, &logs, at);
@@ -195,7 +210,9 @@ impl Diagnosis {
         }
         let ordered = self.largest_first(state, &logs, story);
         let of_blocks = self.log_likelihoods_of_blocks(state);
-        Story { log_evidences, of_blocks, ..self.until_contradicted(state, &logs, ordered) }
+        let story = self.until_contradicted(state, &logs, ordered);
+        let refused = refused(state, &story);
+        Story { log_evidences, of_blocks, refused, ..story }
     }
 
     /// The steps before the first whose effect is far less probable than another that fails on the unseen rows: it would follow
@@ -404,7 +421,7 @@ impl Diagnosis {
             if own.additions.iter().any(is_likely) { own } else { beside().unwrap_or(own) }
         };
         let steps = sets.windows(2).map(step).collect();
-        Story { sets, steps, logs: logs.to_vec(), log_evidences: Vec::new(), of_blocks: Vec::new() }
+        Story { sets, steps, logs: logs.to_vec(), ..Story::default() }
     }
 
     /// The step to a set by the effect that another step added, as if that had come last.

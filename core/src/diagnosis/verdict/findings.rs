@@ -86,7 +86,8 @@ impl Findings<'_> {
     /// Probability that errors of the model are what an effect explains.
     pub(super) fn model_error(&self, effect: usize) -> f64 {
         let of = |probabilities: &BTreeMap<usize, f64>| probabilities.get(&effect).copied().unwrap_or(0.0);
-        of(&self.model_errors).max(of(&self.lumped_nodes))
+        let is_refused = self.story.as_ref().is_some_and(|story| story.refused.contains(&effect));
+        of(&self.model_errors).max(of(&self.lumped_nodes)).max(if is_refused { IS_MODEL_ERROR } else { 0.0 })
     }
 
     /// Whether an effect is so small that errors of the model may well be what it explains.
