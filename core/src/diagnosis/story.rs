@@ -176,7 +176,8 @@ impl Weighed {
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further
-    /// one. A curve of one input goes before laws only where it is clearly more probable; other curves only after them.
+    /// one. A curve of one input goes before laws only where it is clearly more probable and errs no more on unseen rows; other curves only
+    /// after them.
     pub(crate) fn story(&self, state: &State) -> Story {
         // With what the unseen rows say: users judge the error there.
         let unseen = self.independent_unseen(state);
@@ -325,7 +326,12 @@ impl Diagnosis {
         });
         let chosen = match (law, curve) {
             _ if plausible.is_some() => plausible,
-            (Some(_), Some(curve)) if largest_law.is_some_and(|law| logs[curve.place] > law + CLEARLY) => Some(curve),
+            (Some(law), Some(curve))
+                if largest_law.is_some_and(|largest| logs[curve.place] > largest + CLEARLY)
+                    && !rises(unseen(&state.refits[law.place], &state.refits[curve.place])) =>
+            {
+                Some(curve)
+            }
             (Some(law), _) => {
                 // A law of a whole surface goes before what explains as much at single places of it.
                 let alike = |one: &&Addition| {

@@ -64,10 +64,12 @@ impl Candidate {
         self.is_whole_of(other) || !matches!(self.site, Site::Sensors(_)) && self.holds_place_of(other)
     }
 
-    /// Whether it acts on a group beside which the other's place is another one: no part of it, and of the same kind.
+    /// Whether it acts on a group beside which the other's place is another one: no part of it, and of the same kind, or in the
+    /// hardware where the group is one of sensors, or the reverse.
     pub fn is_elsewhere_than(&self, other: &Self) -> bool {
         let is_alike = std::mem::discriminant(&self.site) == std::mem::discriminant(&other.site);
-        self.is_group() && is_alike && !self.holds_place_of(other)
+        let [own, others] = [self, other].map(|one| matches!(one.site, Site::Sensors(_)));
+        self.is_group() && (is_alike || own != others) && !self.holds_place_of(other)
     }
 
     /// Whether its place is a group of which the other's is a part.

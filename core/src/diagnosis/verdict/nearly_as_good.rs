@@ -103,7 +103,11 @@ impl Findings<'_> {
             place.map_or(f64::NEG_INFINITY, |place| logs[place])
         };
         let is_unknown = |effect: usize| self.problem.is_unknown_function(effect);
-        let is_of_group = |effect: usize| self.problem.candidates[effect].is_group();
+        // A single place comes after the whole surface of which it is a part.
+        let is_behind = |other: usize, one: usize| {
+            let [other, one] = [other, one].map(|effect| &self.problem.candidates[effect]);
+            one.is_group() && !other.is_group() && !one.is_elsewhere_than(other)
+        };
         let mut found: Vec<Alternative> = Vec::new();
         let mut best: Option<usize> = None;
         for size in large.len().max(1)..=members.len() + 1 {
@@ -131,9 +135,9 @@ impl Findings<'_> {
                     let Some(&group) = absent.get(position).or(absent.last()).filter(|_| !is_for_small) else {
                         continue;
                     };
-                    // Curves come after laws, single places after whole surfaces.
+                    // Curves come after laws.
                     let (one, other) = (members[group], effect);
-                    if (is_unknown(other) && !is_unknown(one)) || (is_of_group(one) && !is_of_group(other)) {
+                    if (is_unknown(other) && !is_unknown(one)) || is_behind(other, one) {
                         continue;
                     }
                     let lag = logs[best] - logs[place];
