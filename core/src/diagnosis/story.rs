@@ -94,6 +94,12 @@ pub fn falls(errors: [Option<f64>; 2]) -> bool {
     !matches!(errors, [Some(before), Some(after)] if !(RISES * after < before))
 }
 
+/// Whether a curve goes before laws: it leads the most probable one by clear log odds, and errs hardly more on unseen rows than the
+/// one that would be added; their errors there, the law's first.
+pub fn curve_goes_first(lead: f64, errors: [Option<f64>; 2]) -> bool {
+    lead > CLEARLY && !rises(errors)
+}
+
 /// The errors of two sets on unseen rows.
 fn unseen(before: &Refit, after: &Refit) -> [Option<f64>; 2] {
     [before.rmse_held_out_k, after.rmse_held_out_k]
@@ -301,7 +307,7 @@ impl Diagnosis {
             let others = next.iter().map(|one| one.1).filter(|&place| logs[place] > logs[plausible]);
             others.for_each(|place| logs_of_step[place] = logs[plausible] - IMPLAUSIBLE);
         }
-        let largest_law = largest_law.map(|place| logs[place]);
+        let largest_law = largest_law.map_or(f64::NEG_INFINITY, |place| logs[place]);
         let logs = logs_of_step;
         let all: Vec<f64> = next.iter().map(|one| logs[one.1]).chain([logs[at]]).collect();
         let total = log_sum_exp(&all);
@@ -318,6 +324,8 @@ impl Diagnosis {
         let law = additions.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Addition| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = additions.iter().filter(pays).find(of_one_input);
+        let errors_of =
+            |one: &Addition, other: &Addition| unseen(&state.refits[one.place], &state.refits[other.place]);
         // A law that has to be a hundred times as large as is plausible is no better than a curve of plausible size.
         let is_plausible = |one: &&Addition| is_curve(one) && is_as_written(state, one.effect, one.place);
         let plausible = law.filter(|law| is_implausible(state, at, law.place));
@@ -326,10 +334,7 @@ impl Diagnosis {
         });
         let chosen = match (law, curve) {
             _ if plausible.is_some() => plausible,
-            (Some(law), Some(curve))
-                if largest_law.is_some_and(|largest| logs[curve.place] > largest + CLEARLY)
-                    && !rises(unseen(&state.refits[law.place], &state.refits[curve.place])) =>
-            {
+            (Some(law), Some(curve)) if curve_goes_first(logs[curve.place] - largest_law, errors_of(law, curve)) => {
                 Some(curve)
             }
             (Some(law), _) => {

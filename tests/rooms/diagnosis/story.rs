@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/story.rs`.
 
-use bmv::diagnosis::story::{Weighed, falls, rises, serves_as_well};
+use bmv::diagnosis::story::{Weighed, curve_goes_first, falls, rises, serves_as_well};
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
 #[test]
@@ -37,4 +37,12 @@ fn a_step_ends_where_the_unseen_rows_contradict_what_is_far_more_probable() {
     assert!(!contradicts(law, of(0.6, false, true)), "the unseen rows do not speak against it");
     assert!(!contradicts(law, of(0.6, true, false)), "a curve says nothing of a law");
     assert!(contradicts(Weighed { is_curve: true, ..law }, of(0.6, true, false)));
+}
+
+/// Ten in log odds, and at most a twentieth more on the unseen rows.
+#[test]
+fn a_curve_goes_before_laws_that_it_beats_clearly_unless_it_predicts_worse() {
+    assert!(curve_goes_first(10.1, [Some(0.5), Some(0.52)]) && curve_goes_first(10.1, [None, None]));
+    assert!(!curve_goes_first(9.9, [Some(0.5), Some(0.1)]), "it leads by too little");
+    assert!(!curve_goes_first(100.0, [Some(0.5), Some(0.53)]), "the law predicts the unseen rows better");
 }

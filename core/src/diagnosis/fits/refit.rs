@@ -166,11 +166,7 @@ impl Problem {
         let is_curve = |effect: &usize| self.is_unknown_function(*effect);
         // Five values cost more evidence beside a large model error than beside the smaller one that they leave.
         let may_lack = if self.independent_readings > 0.0 && effects.iter().any(is_curve) { MAY_LACK } else { 0.0 };
-        loop {
-            let wider = amplitudes.wider(&places, -may_lack);
-            if wider == places {
-                break;
-            }
+        let again = |best: &Refit, places: &[usize]| {
             let begin = Begin {
                 starts: vec![best.by_name()],
                 scale: begin.scale,
@@ -178,13 +174,24 @@ impl Problem {
                 is_near: true,
                 ..Begin::default()
             };
-            match self.refit_of_widths(effects, &wider, &begin, key, moments) {
-                Ok(next) if self.log_evidence_of_own_noise(&next.0) > self.log_evidence_of_own_noise(&best) => {
-                    (best, amplitudes) = next;
+            let next = self.refit_of_widths(effects, places, &begin, key, moments);
+            let more = |next: &(Refit, Amplitudes)| {
+                self.log_evidence_of_own_noise(&next.0) > self.log_evidence_of_own_noise(best)
+            };
+            next.ok().filter(more)
+        };
+        let wider = |own: &Amplitudes, places: &[usize]| own.wider(places, -may_lack);
+        let ways: [&dyn Fn(&Amplitudes, &[usize]) -> Vec<usize>; 2] = [&wider, &Amplitudes::less_wide];
+        for way in ways {
+            loop {
+                let others = way(&amplitudes, &places);
+                if others == places {
+                    break;
                 }
-                _ => break,
+                let Some(better) = again(&best, &others) else { break };
+                (best, amplitudes) = better;
+                places = others;
             }
-            places = wider;
         }
         // A prior that is wider than the written one is none of the catalogue's, and no narrower one stands beside it.
         let place_at_least_written =

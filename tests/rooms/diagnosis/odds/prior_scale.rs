@@ -42,6 +42,26 @@ fn a_large_fault_of_a_sensor_is_less_probable_than_a_large_effect_on_hardware() 
     assert!((of_sensors - ln(1e-4)).abs() < 1e-12 && (of_hardware - ln(0.01)).abs() < 1e-12);
 }
 
+/// A change of 5 that is known within 1, where the written standard deviation is 1: ten times that pays most.
+#[test]
+fn a_prior_that_began_too_wide_narrows_to_what_is_found() {
+    let at = |scale: f64| {
+        let prior = scale * scale;
+        let (mean, variance) = (5.0 * prior / (prior + 1.0), prior / (prior + 1.0));
+        Amplitudes { effects: vec![0], away: vec![mean / scale], factor: Some(vec![variance.sqrt() / scale]) }
+    };
+    let mut place = WIDTHS.len() - 1;
+    loop {
+        let next = at(WIDTHS[place].factor).less_wide(&[place])[0];
+        if next == place {
+            break;
+        }
+        place = next;
+    }
+    assert_eq!(WIDTHS[place].factor, 10.0);
+    assert_eq!(at(1.0).less_wide(&[0]), [0], "the written width is the least");
+}
+
 /// A load of 350 W that is known within 20 W, where the catalogue's scale is 1 W: a hundred times that is still too narrow.
 #[test]
 fn a_prior_widens_until_it_holds_what_is_found() {
