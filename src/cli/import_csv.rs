@@ -12,8 +12,10 @@ use super::status::{Failure, Status};
 use crate::document::visible::shell_word;
 use crate::expression::Symbol;
 use crate::import::logger::{self, Known, MapTemplate, Said, Settings, map_template, propose};
-use crate::study::discover;
+use crate::job::calibrate::{MANY_DRAWS, Sampler};
 use crate::study::file::{self, Existing};
+use crate::study::job::CALIBRATION;
+use crate::study::{Pass, discover};
 use crate::thermal::{Model, Node, NodeKind};
 
 /// Diagnostics printed of logs that are not understood.
@@ -79,6 +81,12 @@ fn boundaries(model: &Model) -> Vec<(String, String)> {
     model.nodes.iter().filter_map(|node| Some((node.name.clone(), input(node)?.name.clone()))).collect()
 }
 
+/// How many parameters a calibration of a pass infers; none of a program in place of a network, whose runs may be costly.
+fn uncertain_parameters(pass: &Pass) -> usize {
+    let inferred = pass.priors.iter().filter(|prior| !prior.is_fixed());
+    if pass.external.is_some() { 0 } else { inferred.count() }
+}
+
 impl Csv {
     pub(super) fn execute(self, context: &Context) -> Result<Status, Failure> {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
@@ -137,7 +145,9 @@ impl Csv {
         said.push_str(&format!("{became} {}\n", shown(&self.into.join(&file))));
         let mut written = None;
         if let Some(before) = before.as_deref().filter(|_| !proposal.sensors.is_empty()) {
-            let (next, became) = self.next_pass(before, &proposal.measurement)?;
+            let unknown = pass.as_ref().map_or(0, uncertain_parameters);
+            let is_tuned = proposal.can_tune(record.times_s.len(), unknown);
+            let (next, became) = self.next_pass(before, &proposal.measurement, is_tuned)?;
             let command = format!("bmv compare {}", escaped(&shell_word(&next.display().to_string())));
             // Where channels are still to be mapped, that goes first: one next step.
             said.push_str(&match &template {
@@ -213,28 +223,40 @@ impl Csv {
         let text = fs::read_to_string(pass).unwrap_or_default();
         let written: Value = serde_json::from_str(&text).unwrap_or_default();
         let Some(parent) = written["parent"].as_str() else { return false };
-        let own = self.pass(discover::number(pass).unwrap_or(0), parent, &written["measurements"][&self.name]);
-        own == written
+        let (number, measurement) = (discover::number(pass).unwrap_or(0), &written["measurements"][&self.name]);
+        // Whether it calibrates depends on the log of that time.
+        [true, false].into_iter().any(|is_tuned| self.pass(number, parent, measurement, is_tuned) == written)
     }
 
-    /// A pass with the measurement, which holds the model against it.
-    fn pass(&self, number: u64, parent: &str, measurement: &Value) -> Value {
+    /// A pass with the measurement, which holds the model against it as delivered and, where it can be tuned, as tuned without
+    /// new physics: by the sampler that takes one likelihood a draw, which finds the best fit at little cost.
+    fn pass(&self, number: u64, parent: &str, measurement: &Value, is_tuned: bool) -> Value {
         let name = self.name.as_str();
+        let mut jobs = json!({"delivered": {"compare": {"data": [name]}}, "missing": {"diagnose": {"data": [name]}}});
+        if is_tuned {
+            let sampler = Sampler::IndependenceMetropolis.name();
+            jobs["tuned"] = json!({CALIBRATION: {"data": [name], "sampler": sampler, "draws": MANY_DRAWS}});
+        }
         json!({
             "format": "bmv-pass/1",
             "title": self.title(number),
             "parent": parent,
             "measurements": {name: measurement},
-            "jobs": {"delivered": {"compare": {"data": [name]}}, "missing": {"diagnose": {"data": [name]}}},
+            "jobs": jobs,
         })
     }
 
     /// Writes the next free pass: that of the highest number so far as its parent, with the measurement.
-    fn next_pass(&self, before: &Path, measurement: &Value) -> Result<(PathBuf, &'static str), Failure> {
+    fn next_pass(
+        &self,
+        before: &Path,
+        measurement: &Value,
+        is_tuned: bool,
+    ) -> Result<(PathBuf, &'static str), Failure> {
         let number = discover::number(before).unwrap_or(0) + 1;
         let file = format!("pass-{number}.json");
         let parent = before.file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
-        let pass = self.pass(number, &parent, measurement);
+        let pass = self.pass(number, &parent, measurement, is_tuned);
         let text = serde_json::to_string_pretty(&pass).map_err(|error| Failure::input(error.to_string()))? + "\n";
         let became = self.write(Path::new(&file), &text)?;
         Ok((self.into.join(file), became))

@@ -458,3 +458,31 @@ fn a_map_of_the_odd_channels_is_the_one_next_step() {
     let refused = bmv(root.path(), &["plan", "plate"]);
     assert!(text(&refused.stderr).contains("`last Saturday` is no date and time"), "{}", text(&refused.stderr));
 }
+
+/// The model as delivered and as tuned without new physics stand side by side where the log has rows enough; whether it had is
+/// no part of what tells an import's pass from one of the user's own.
+#[test]
+fn the_pass_of_a_log_is_tuned_where_its_rows_are_enough() {
+    let root = plate();
+    let rows = |count: usize| -> String {
+        let row = |row: usize| format!("{},{:.2},10,20\n", 600 * row, 43.0 + 0.1 * (row % 3) as f64);
+        format!("time [s],plate [degC],Q [W],T_wall [degC]\n{}", (0..count).map(row).collect::<String>())
+    };
+    let jobs = |count: usize| {
+        fs::write(root.path().join("log.csv"), rows(count)).unwrap();
+        printed(root.path(), &["import", "csv", "log.csv", "--into", "plate", "--force"]);
+        assert!(!root.path().join("plate/pass-3.json").exists(), "the pass of {count} rows takes the other's place");
+        let pass = fs::read_to_string(root.path().join("plate/pass-2.json")).unwrap();
+        let pass: Json = serde_json::from_str(&pass).unwrap();
+        pass["jobs"].clone()
+    };
+    let many = jobs(40);
+    assert_eq!(many["tuned"]["calibrate"]["data"], serde_json::json!(["log"]), "{many}");
+    assert_eq!(many["tuned"]["calibrate"]["sampler"], "independence-metropolis", "{many}");
+    let few = jobs(2);
+    assert!(few["tuned"].is_null() && few["missing"]["diagnose"].is_object(), "{few}");
+    assert_eq!(jobs(40), many);
+    // The next step's history has the row that later passes are held against.
+    let history = text(&bmv(root.path(), &["history", "plate"]).stdout);
+    assert!(history.contains("tuned only") && !history.contains("has no job calibrate"), "{history}");
+}

@@ -304,6 +304,15 @@ fn csv(record: &Record, columns: &[(String, &Channel)]) -> String {
 }
 
 impl Proposal {
+    /// Whether a model with so many uncertain parameters can be tuned to a record of so many rows: it has at least a row for each
+    /// of them and of the inferred offsets, and the noise of every sensor is known.
+    pub fn can_tune(&self, rows: usize, parameters: usize) -> bool {
+        let sensors = self.measurement["transient"]["sensors"].as_object();
+        let mut sensors = sensors.into_iter().flat_map(Map::values);
+        let offsets = sensors.clone().filter(|sensor| sensor.get("bias").is_some()).count();
+        parameters > 0 && rows >= parameters + offsets && sensors.all(|sensor| sensor.get("sigma").is_some())
+    }
+
     /// What was found, in a few lines.
     pub fn in_words(&self, record: &Record) -> String {
         let last = record.times_s.last().copied().unwrap_or(0.0);
