@@ -484,5 +484,5 @@ fn the_pass_of_a_log_is_tuned_where_its_rows_are_enough() {
     assert_eq!(jobs(40), many);
     // The next step's history has the row that later passes are held against.
     let history = text(&bmv(root.path(), &["history", "plate"]).stdout);
-    assert!(history.contains("tuned only") && !history.contains("has no job calibrate"), "{history}");
+    assert!(history.contains("tuned, without new physics") && !history.contains("has no job calibrate"), "{history}");
 }
