@@ -264,6 +264,7 @@ const NAMED_ELSEWHERE: &[(&str, &[&str], &str)] = &[
     ("cli/diagnose.rs", &["diagnose"], "the verb for this kind"),
     ("cli/adopt.rs", &["diagnose"], "adopts what a diagnosis found"),
     ("cli/test_plan.rs", &["test_plan"], "the verb for this kind"),
+    ("cli/import_csv.rs", &["calibrate"], "the pass of a log tunes the model too"),
     ("cli/export.rs", &["calibrate"], "the verb for the draws of this kind"),
     ("batch/export", &["calibrate"], "completes the draws of a calibration by what they predict"),
     ("batch/next_pass", &["calibrate", "diagnose"], "writes the pass that adopts what a diagnosis found and judges it"),
