@@ -482,7 +482,10 @@ fn the_pass_of_a_log_is_tuned_where_its_rows_are_enough() {
     let few = jobs(2);
     assert!(few["tuned"].is_null() && few["missing"]["diagnose"].is_object(), "{few}");
     assert_eq!(jobs(40), many);
-    // The next step's history has the row that later passes are held against.
-    let history = text(&bmv(root.path(), &["history", "plate"]).stdout);
-    assert!(history.contains("tuned, without new physics") && !history.contains("has no job calibrate"), "{history}");
+    // The error before any effect, by a calibration that no later pass has to make up for.
+    let history: Json = serde_json::from_slice(&bmv(root.path(), &["history", "plate", "--json"]).stdout).unwrap();
+    let pass = &history["passes"][1];
+    assert_eq!((&pass["pass"], &pass["calibration"]), (&"pass-2.json".into(), &"tuned".into()), "{pass}");
+    let [delivered, tuned] = ["delivered", "tuned"].map(|state| pass["rmse_k"][state]["train"].as_f64().unwrap());
+    assert!(delivered > 3.0 && tuned < 0.1, "{pass}");
 }
