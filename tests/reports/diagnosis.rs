@@ -342,7 +342,10 @@ fn a_phase_far_from_what_was_measured_is_said_to_be_extrapolated() {
     };
     assert!(!text_at(300.15).contains("Extrapolated"), "{}", text_at(300.15));
     for far in [500.0, 120.0] {
-        has(&text_at(far), &["Extrapolated: measured were ", "see first whether the hardware bears what is predicted."]);
+        has(
+            &text_at(far),
+            &["Extrapolated: measured were ", "see first whether the hardware bears what is predicted."],
+        );
     }
 }
 
