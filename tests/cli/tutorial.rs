@@ -37,8 +37,8 @@ fn the_tutorial_does_what_it_says() {
         match head.split_whitespace().collect::<Vec<_>>().as_slice() {
             [_, file] => fs::write(work.path().join(file), format!("{text}\n")).unwrap(),
             ["console"] => {
-                for told in format!("\n{text}").split("\n$ ").skip(1) {
-                    let mut lines = told.lines();
+                for typed in format!("\n{text}").split("\n$ ").skip(1) {
+                    let mut lines = typed.lines();
                     let command = lines.next().expect("a command");
                     let arguments: Vec<&str> = command.split(' ').skip(1).collect();
                     let expected: Vec<&str> = lines.collect();

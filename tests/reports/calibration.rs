@@ -3,7 +3,7 @@
 use bmv::job::calibrate::{Kind, Output, Remedy};
 use serde_json::json;
 
-use super::rendering::{assert_well_formed, rendered, section};
+use super::rendering::{adopted, assert_well_formed, rendered, section};
 use super::samples::{Sample, edit, entry, transient};
 
 fn output(converged: bool) -> Output {
@@ -165,4 +165,33 @@ fn start_temperatures_are_in_degrees_celsius() {
     let report = rendered(&with(own));
     let row = report.markdown.lines().find(|line| line.starts_with("| `run.start.board`")).expect("a row").to_owned();
     assert!(row.contains("| 22.500 |") && row.contains("\u{B0}C") && !row.contains("295"), "{row}");
+}
+
+/// The card of an adopted effect states from when on it is there: in the record, or into every run.
+#[test]
+fn the_card_of_an_adopted_effect_states_its_time() {
+    let card = |time: &str, seconds: f64| {
+        let mut output = output(true);
+        let mut size = output.parameters["G"].clone();
+        size.unit = "W".into();
+        let mut when = size.clone();
+        (when.unit, when.mean) = ("s".into(), seconds);
+        output.parameters.extend([("late.power".to_owned(), size), (format!("late.{time}"), when)]);
+        let mut sample = with(output);
+        sample.model.parameters[0].name = "late.power".into();
+        sample.model.parameters[0].unit = "W".into();
+        let mut report = sample.report();
+        report.adopted = vec![adopted("late", &["board"])];
+        let markdown = bmv::report::render(&report).expect("renders").markdown.replace('\u{A0}', " ");
+        let summary = markdown.split("\n## 2. ").next().expect("a summary");
+        summary.lines().find(|line| line.contains("Measured: late")).unwrap_or_else(|| panic!("{summary}")).to_owned()
+    };
+    for (time, seconds, said) in [
+        ("date", 40_320.0, "W, from 11.20 h on"),
+        ("elapsed", 7560.0, "W, from 2.10 h into every run on"),
+        ("elapsed", 750.0, "W, from 12.5 min into every run on"),
+    ] {
+        let line = card(time, seconds);
+        assert!(line.contains(said), "{line}");
+    }
 }

@@ -57,7 +57,7 @@ pub fn diagnosed(verdict: &str) -> Sample {
 }
 
 /// The Markdown of the report on such a sample: its first section, and that on the diagnosis.
-fn told(verdict: &str) -> (String, String) {
+fn reported(verdict: &str) -> (String, String) {
     let report = rendered(&diagnosed(verdict));
     for (_, svg) in &report.figures {
         assert_well_formed(svg);
@@ -76,7 +76,7 @@ fn has(text: &str, parts: &[&str]) {
 
 #[test]
 fn the_first_screen_says_what_is_missing_how_surely_and_what_it_does() {
-    let (summary, own) = told("identified");
+    let (summary, own) = reported("identified");
     has(&summary, &["Tuned with proposed `conductive-path:baseplate:board`", "What is missing", "0.0491 ± 0.0031 W/K"]);
     has(
         &summary,
@@ -132,7 +132,7 @@ fn the_first_screen_tells_the_steps_and_what_each_does_to_the_error() {
 
 #[test]
 fn rivals_are_named_with_the_phase_that_parts_them() {
-    let (summary, own) = told("ambiguous");
+    let (summary, own) = reported("ambiguous");
     let next = "tells `conductive-path:baseplate:board` from `radiative-path:baseplate:board`: `bmv diagnose sample/";
     has(
         &summary,
@@ -220,7 +220,7 @@ fn a_missing_hidden_node_is_drawn_as_a_node_with_its_conductance() {
 
 #[test]
 fn what_nothing_explains_is_shown_as_heat_by_node_and_phase() {
-    let (summary, own) = told("unexplained");
+    let (summary, own) = reported("unexplained");
     has(&summary, &["something unknown", "board", "P02", "How sure: unexplained"]);
     has(&own, &["0.90 ± 0.10", "0.42 ± 0.10", "What the missing heat goes with", "Q_1"]);
     assert!(!own.contains("0.05 ± 0.10"), "noise is no row: {own}");
@@ -331,7 +331,7 @@ fn one_held_out_block_has_no_standard_error_and_no_p_is_0() {
 /// Rivals that predict temperatures far from all that were measured: the phase may break the hardware, or the model.
 #[test]
 fn a_phase_far_from_what_was_measured_is_said_to_be_extrapolated() {
-    let told = |predicted: f64| {
+    let text_at = |predicted: f64| {
         let mut sample = diagnosed("ambiguous");
         let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
             let experiment = output.discriminating_experiment.as_mut().expect("an experiment");
@@ -340,21 +340,24 @@ fn a_phase_far_from_what_was_measured_is_said_to_be_extrapolated() {
         assert!(is_one, "a diagnosis");
         section(&rendered(&sample).markdown, "diagnosis").replace('\u{A0}', " ")
     };
-    assert!(!told(300.15).contains("Extrapolated"), "{}", told(300.15));
+    assert!(!text_at(300.15).contains("Extrapolated"), "{}", text_at(300.15));
     for far in [500.0, 120.0] {
-        has(&told(far), &["Extrapolated: measured were ", "see first whether the hardware bears what is predicted."]);
+        has(
+            &text_at(far),
+            &["Extrapolated: measured were ", "see first whether the hardware bears what is predicted."],
+        );
     }
 }
 
 /// A group of one has no rival, and a column that says nothing is left out.
 #[test]
 fn groups_stand_in_the_table_where_they_tell_rivals() {
-    let (_, of_rivals) = told("ambiguous");
+    let (_, of_rivals) = reported("ambiguous");
     has(
         &of_rivals,
         &["| Rivals |", "| group 1 |", "Effects of one group are rivals: these data cannot tell them apart."],
     );
-    let (_, of_one) = told("identified");
+    let (_, of_one) = reported("identified");
     assert!(!of_one.contains("| Rivals |") && !of_one.contains("group 1"), "{of_one}");
 }
 
@@ -374,8 +377,8 @@ fn only_a_phase_that_is_worth_a_test_is_the_next_step() {
         })
     };
     has(&phase(0.81, true), &["Measure a phase that tells `conductive-path:baseplate:board` from"]);
-    for told in [phase(0.79, true), phase(0.99, false)] {
-        assert!(!told.contains("Measure") && told.contains("lists what else it could be"), "{told}");
+    for text in [phase(0.79, true), phase(0.99, false)] {
+        assert!(!text.contains("Measure") && text.contains("lists what else it could be"), "{text}");
     }
     let step = |probability: f64| {
         next(&|output| {

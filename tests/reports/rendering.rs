@@ -316,7 +316,7 @@ fn adopted_effects_stand_with_place_prior_and_reason() {
 }
 
 /// An adopted effect at the elements of the steady sample.
-fn adopted(name: &str, place: &[&str]) -> bmv::study::AdoptedEffect {
+pub fn adopted(name: &str, place: &[&str]) -> bmv::study::AdoptedEffect {
     bmv::study::AdoptedEffect {
         name: name.into(),
         id: format!("conductive-path:{}", place.join(":")),

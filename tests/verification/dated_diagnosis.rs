@@ -4,6 +4,8 @@
 use bmv::diagnosis::{Diagnosis, Output, Problem, Settings};
 use bmv::random::StreamKey;
 
+use super::small_study;
+
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
   "title": "A box on a plate on a sink",
@@ -24,17 +26,13 @@ fn diagnosed(table: &str, measurement: &str) -> (Problem, Output) {
 
 /// Of a pass with these measurements and these entries under `adopt`.
 fn diagnosed_runs(tables: &[(String, String)], measurements: &str, adopt: &str) -> (Problem, Output) {
-    let folder = tempfile::tempdir().expect("a folder");
     let pass = format!(
         r#"{{"format": "bmv-pass/1", "title": "Dates", "parent": null, "model": "model.json", "seed": 3,
         "measurements": {{{measurements}}}, "adopt": {{{adopt}}}, "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#
     );
     let tables = tables.iter().map(|(name, text)| (name.as_str(), text.as_str()));
-    for (name, text) in [("model.json", MODEL), ("pass-1.json", &pass)].into_iter().chain(tables) {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
-    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let files = [("model.json", MODEL), ("pass-1.json", pass.as_str())].into_iter().chain(tables);
+    let problem = small_study::problem(&files.collect::<Vec<_>>());
     let key = StreamKey::new(7, "dates", "diagnosis");
     let output = Diagnosis::new(problem.clone(), Settings::default(), key).run().expect("a diagnosis");
     (problem, output)

@@ -4,6 +4,8 @@
 use bmv::diagnosis::{Diagnosis, Output, Settings};
 use bmv::random::StreamKey;
 
+use super::small_study;
+
 const SIGMA_K: f64 = 0.1;
 
 /// A box on a plate on a sink; `load` is the believed power into the box.
@@ -43,12 +45,8 @@ fn diagnosed(lamp: impl Fn(f64) -> f64, heater: impl Fn(f64, f64) -> f64) -> Out
         sensor("plate"),
         sensor("box")
     );
-    let folder = tempfile::tempdir().expect("a folder");
-    for (name, text) in [("model.json", model("P").as_str()), ("data.csv", &table), ("pass-1.json", &pass)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
-    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let problem =
+        small_study::problem(&[("model.json", model("P").as_str()), ("data.csv", &table), ("pass-1.json", &pass)]);
     Diagnosis::new(problem, Settings::default(), StreamKey::new(7, "drive", "diagnosis")).run().expect("a diagnosis")
 }
 

@@ -1,10 +1,9 @@
 //! Heat that arrives late and a sensor beside the heater, as networks by hand: found among the whole catalogue.
 
 use bmv::diagnosis::{Output, Verdict};
-use bmv::job::ready::Readiness;
 use bmv::random::StreamKey;
 
-use crate::serial;
+use super::small_study;
 
 /// A plate on a cold sink under a heater; a box hangs on it.
 const MODEL: &str = r#"{
@@ -57,14 +56,8 @@ fn diagnosed(heater: Option<[f64; 2]>, excess: f64) -> Output {
         sensor("box")
     );
     let folder = tempfile::tempdir().expect("a folder");
-    for (name, text) in [("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"))
-        .unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
-    let (_, readiness) = bmv::job::ready(&pass).into_iter().next().expect("a job");
-    let Readiness::Ready(job) = readiness else { panic!("ready") };
-    serde_json::from_value(serial::run(job.as_ref()).expect("a result")).expect("a diagnosis")
+    let files = [("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", pass.as_str())];
+    small_study::diagnosed(&small_study::loaded(folder.path(), &files))
 }
 
 /// Whether an amplitude of a selected effect lies within four standard deviations of the truth.

@@ -13,6 +13,7 @@ use bmv::measurement::Uncertain;
 use bmv::random::StreamKey;
 use nalgebra::{DMatrix, DVector};
 
+use super::small_study;
 use crate::serial;
 
 const MODEL: &str = r#"{
@@ -97,12 +98,12 @@ fn with_narrower(effects: usize, log_evidence: impl Fn(&[f64]) -> f64) -> f64 {
     all.fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn problem(folder: &Path, readings_k: &DVector<f64>) -> Problem {
-    problem_of(folder, readings_k, &["heat-load", "sensor-bias"])
+fn problem(readings_k: &DVector<f64>) -> Problem {
+    problem_of(readings_k, &["heat-load", "sensor-bias"])
 }
 
 /// With the effects of these kinds as candidates.
-fn problem_of(folder: &Path, readings_k: &DVector<f64>, kinds: &[&str]) -> Problem {
+fn problem_of(readings_k: &DVector<f64>, kinds: &[&str]) -> Problem {
     let mut table = String::from("phase,T_sink [K],Q [W],A [K],B [K]\n");
     for (row, [sink, q]) in PHASES.iter().enumerate() {
         table.push_str(&format!("P{row},{sink},{q},{:e},{:e}\n", readings_k[2 * row], readings_k[2 * row + 1]));
@@ -115,11 +116,7 @@ fn problem_of(folder: &Path, readings_k: &DVector<f64>, kinds: &[&str]) -> Probl
     )
     .replace(r#"{"sigma""#, r#"{"measures": "X", "sigma""#);
     let pass = pass.replacen(r#""X""#, r#""A""#, 1).replacen(r#""X""#, r#""B""#, 1);
-    for (name, text) in [("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)] {
-        std::fs::write(folder.join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.join("pass-1.json"));
-    let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let mut problem = small_study::problem(&[("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)]);
     Arc::make_mut(&mut problem.candidates).retain(|own| kinds.contains(&own.effect.as_str()));
     problem
 }
@@ -135,8 +132,7 @@ fn evidences_and_probabilities_are_those_of_normal_densities() {
     let key = StreamKey::new(8, "linear", "noise");
     // 0.3 W too much in B, and the sensor of A biased by 0.4 K.
     let measured = noisy(readings(1.1, [0.0, 0.3], [0.4, 0.0]), &key, 0);
-    let folder = tempfile::tempdir().expect("a folder");
-    let problem = problem(folder.path(), &measured);
+    let problem = problem(&measured);
     assert_eq!(problem.candidates.len(), 4);
     let output = Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis");
     let models: BTreeMap<Vec<String>, (f64, f64)> =
@@ -166,8 +162,7 @@ fn what_is_larger_than_thought_plausible_has_the_evidence_of_a_wider_prior() {
     let key = StreamKey::new(10, "linear", "noise");
     for (heat, width, odds) in [(1.5, 1.0, 1.0), (12.0, 10.0, 0.1), (200.0, 100.0, 0.01)] {
         let measured = noisy(readings(1.1, [heat, 0.0], [0.0; 2]), &key, 0);
-        let folder = tempfile::tempdir().expect("a folder");
-        let problem = problem(folder.path(), &measured);
+        let problem = problem(&measured);
         let output = Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis");
         assert_eq!(output.selected, ["heat-load:A"], "{heat} W");
         let own = &output.effects[0];
@@ -193,8 +188,7 @@ fn a_prior_that_outvotes_the_data_is_widened() {
     let sigma = 20.0;
     let mut stream = key.stream(0);
     let measured = readings(1.0, [20.0, 0.0], [0.0; 2]).map(|value| value + sigma * stream.normal());
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut problem = problem(folder.path(), &measured);
+    let mut problem = problem(&measured);
     for sensor in &mut problem.measurements[0].sensors {
         sensor.sigma = Some(Uncertain::Known(sigma));
     }
@@ -214,8 +208,7 @@ fn a_prior_that_outvotes_the_data_is_widened() {
 fn what_predicts_the_same_is_not_told_apart() {
     let key = StreamKey::new(11, "linear", "noise");
     let measured = noisy(readings(1.0, [2.9, 0.0], [0.0; 2]), &key, 0);
-    let folder = tempfile::tempdir().expect("a folder");
-    let problem = problem_of(folder.path(), &measured, &["heat-load", "sink-offset"]);
+    let problem = problem_of(&measured, &["heat-load", "sink-offset"]);
     let output = Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis");
     assert_eq!(output.selected, ["sink-offset:sink"], "{:?}", output.words);
     assert_eq!(output.verdict, Verdict::Ambiguous, "{:?}", output.words);
@@ -230,8 +223,7 @@ fn what_predicts_the_same_is_not_told_apart() {
 #[test]
 fn the_family_wise_level_is_kept() {
     let key = StreamKey::new(9, "linear", "noise");
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut problem = problem(folder.path(), &readings(1.0, [0.0; 2], [0.0; 2]));
+    let mut problem = problem(&readings(1.0, [0.0; 2], [0.0; 2]));
     let settings = Settings { false_alarm: 0.1, ..Settings::default() };
     let (mut found, mut verdicts) = (0, 0);
     for number in 0..200 {
@@ -475,12 +467,6 @@ fn a_set_without_a_solution_in_a_held_out_row_is_left_out_and_said() {
 fn diagnosed(table: &str, effect: (&str, &str), pass: &str) -> bmv::diagnosis::Output {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("effects")).expect("made");
-    for (name, text) in [("model.json", MODEL), ("data.csv", table), effect, ("pass-1.json", pass)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
-    let pass = pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
-    let (_, readiness) = bmv::job::ready(&pass).into_iter().next().expect("a job");
-    let Readiness::Ready(job) = readiness else { panic!("ready") };
-    serde_json::from_value(serial::run(job.as_ref()).expect("a result")).expect("a diagnosis")
+    let files = [("model.json", MODEL), ("data.csv", table), effect, ("pass-1.json", pass)];
+    small_study::diagnosed(&small_study::loaded(folder.path(), &files))
 }

@@ -1,10 +1,9 @@
 //! A node whose wax melts, by the enthalpy method by hand: found among the whole catalogue.
 
 use bmv::diagnosis::{Output, Verdict};
-use bmv::job::ready::Readiness;
 use bmv::random::StreamKey;
 
-use crate::serial;
+use super::small_study;
 
 /// A box on a cold plate, and a radiator behind it.
 const MODEL: &str = r#"{
@@ -60,14 +59,8 @@ fn diagnosed() -> Output {
         sensor("radiator")
     );
     let folder = tempfile::tempdir().expect("a folder");
-    for (name, text) in [("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"))
-        .unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));
-    let (_, readiness) = bmv::job::ready(&pass).into_iter().next().expect("a job");
-    let Readiness::Ready(job) = readiness else { panic!("ready") };
-    serde_json::from_value(serial::run(job.as_ref()).expect("a result")).expect("a diagnosis")
+    let files = [("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", pass.as_str())];
+    small_study::diagnosed(&small_study::loaded(folder.path(), &files))
 }
 
 /// The law spreads the melting over a kelvin or less where the wax melts at one temperature: sizes are nearly those of the truth.

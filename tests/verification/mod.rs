@@ -1,6 +1,5 @@
 //! Numerics against analytic results, published values and golden numbers.
 
-mod bent_fit;
 pub mod build;
 mod comparison;
 mod dated_diagnosis;
@@ -29,6 +28,7 @@ pub mod monitor_campaign;
 mod monitor_ladder;
 mod monitor_leak;
 pub mod network8_data;
+mod nonlinear_fit;
 mod orbit;
 mod periodic_diagnosis;
 mod prior_edge;
@@ -36,6 +36,7 @@ pub mod radiator;
 mod radiator_campaign;
 pub mod sensitivity;
 mod signature;
+mod small_study;
 mod solar_monitor;
 mod solar_monitor_flight;
 mod steady;

@@ -1,9 +1,9 @@
 //! A model that is a little wrong everywhere: the error that no effect explains is named, and the effect is still found.
 
-use std::path::Path;
-
 use bmv::diagnosis::{Diagnosis, Output, Settings, Verdict};
 use bmv::random::StreamKey;
+
+use super::small_study;
 
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
@@ -48,7 +48,7 @@ fn plates(q: [f64; 2], sink: f64, path: f64) -> [f64; 3] {
 }
 
 /// What is simulated: a path from c to the sink, W/K; what the model owes each reading, K; a fault: phase, plate, K.
-fn diagnosed(folder: &Path, path: f64, error_k: f64, fault: Option<(usize, usize, f64)>) -> Output {
+fn diagnosed(path: f64, error_k: f64, fault: Option<(usize, usize, f64)>) -> Output {
     let mut draws = StreamKey::new(11, "model error", "plates").stream(0);
     let mut table = String::from("phase,Q_a [W],Q_c [W],T_s [K],a [K],b [K],c [K]\n");
     for phase in 0..16 {
@@ -60,18 +60,13 @@ fn diagnosed(folder: &Path, path: f64, error_k: f64, fault: Option<(usize, usize
         }
         table.push_str(&format!("P{phase:02},{},{},{sink},{:.4},{:.4},{:.4}\n", q[0], q[1], read[0], read[1], read[2]));
     }
-    for (name, text) in [("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", PASS)] {
-        std::fs::write(folder.join(name), text).unwrap();
-    }
-    let pass = bmv::job::load(&folder.join("pass-1.json"));
-    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let problem = small_study::problem(&[("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", PASS)]);
     Diagnosis::new(problem, Settings::default(), StreamKey::new(3, "model error", "test")).run().unwrap()
 }
 
 #[test]
 fn an_effect_is_found_beside_a_model_error_whose_size_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = diagnosed(folder.path(), 0.1, MODEL_ERROR_K, None);
+    let output = diagnosed(0.1, MODEL_ERROR_K, None);
     assert!(matches!(output.verdict, Verdict::Identified | Verdict::Ambiguous), "{:?}", output.words);
     let first = &output.steps[0];
     let own =
@@ -90,8 +85,7 @@ fn an_effect_is_found_beside_a_model_error_whose_size_is_named() {
 
 #[test]
 fn where_no_effect_explains_a_misfit_the_model_error_is_called_unexplained() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = diagnosed(folder.path(), 0.0, MODEL_ERROR_K, None);
+    let output = diagnosed(0.0, MODEL_ERROR_K, None);
     assert_eq!((output.verdict, output.selected.len()), (Verdict::Unexplained, 0), "{:?}", output.words);
     assert!(output.misfit.family_wise_p < 1e-6, "the stated noise is far too small");
     assert!(output.words.iter().any(|words| words.contains("a little wrong everywhere")), "{:?}", output.words);
@@ -101,8 +95,7 @@ fn where_no_effect_explains_a_misfit_the_model_error_is_called_unexplained() {
 /// A reading of 4 K beside all others, with noise as it is stated.
 #[test]
 fn a_reading_that_stands_out_is_left_out_and_the_effect_is_identified() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = diagnosed(folder.path(), 0.1, 0.1, Some((5, 1, 4.0)));
+    let output = diagnosed(0.1, 0.1, Some((5, 1, 4.0)));
     let faults = |output: &Output| -> Vec<String> {
         output.doubts.iter().filter(|doubt| doubt.code == "outlying").map(|doubt| doubt.message.clone()).collect()
     };
@@ -113,7 +106,7 @@ fn a_reading_that_stands_out_is_left_out_and_the_effect_is_identified() {
     // The amplitude within 3 of its standard deviations.
     let size = &effect.amplitudes["conductance"];
     assert!((size.value - 0.1).abs() < 3.0 * size.sd, "{size:?}");
-    let clean = diagnosed(folder.path(), 0.1, 0.1, None);
+    let clean = diagnosed(0.1, 0.1, None);
     assert_eq!(faults(&clean), Vec::<String>::new());
     assert_eq!(clean.selected, output.selected);
 }

@@ -4,6 +4,8 @@ use bmv::diagnosis::{Diagnosis, Output, Problem, Settings};
 use bmv::math::functions::{cos, sin};
 use bmv::random::StreamKey;
 
+use super::small_study;
+
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
   "title": "A box on a plate on a sink",
@@ -22,16 +24,11 @@ const SENSORS: &str = r#""sensors": {"plate": {"measures": "plate", "sigma": {"v
     "box": {"measures": "box", "sigma": {"value": 0.2, "unit": "K"}}}"#;
 
 fn diagnosed(table: &str, measurement: &str) -> (Problem, Output) {
-    let folder = tempfile::tempdir().expect("a folder");
     let pass = format!(
         r#"{{"format": "bmv-pass/1", "title": "Turns", "parent": null, "model": "model.json", "seed": 3,
         "measurements": {{"test": {measurement}}}, "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#
     );
-    for (name, text) in [("model.json", MODEL), ("data.csv", table), ("pass-1.json", &pass)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
-    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let problem = small_study::problem(&[("model.json", MODEL), ("data.csv", table), ("pass-1.json", &pass)]);
     let key = StreamKey::new(7, "turns", "diagnosis");
     let output = Diagnosis::new(problem.clone(), Settings::default(), key).run().expect("a diagnosis");
     (problem, output)

@@ -3,6 +3,8 @@
 use bmv::diagnosis::{Diagnosis, Output, Settings};
 use bmv::random::StreamKey;
 
+use super::small_study;
+
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
   "title": "A box on a plate on a sink",
@@ -44,12 +46,7 @@ fn diagnosed(lag_s: f64) -> Output {
             }
         }
     }
-    let folder = tempfile::tempdir().expect("a folder");
-    for (name, text) in [("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", PASS)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
-    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let problem = small_study::problem(&[("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", PASS)]);
     let key = StreamKey::new(7, "thermometers", "diagnosis");
     Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis")
 }

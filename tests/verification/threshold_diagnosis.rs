@@ -1,12 +1,13 @@
 //! Joints that change at a threshold. A transient: by hand, in exponential pieces, far from the middle of the temperatures that
 //! nodes may have. Steady phases: by hand, with a reading that puts the threshold into the wrong gap between two levels.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use bmv::diagnosis::{Diagnosis, Problem, Settings};
 use bmv::math::functions::{exp, ln};
 use bmv::random::StreamKey;
+
+use super::small_study;
 
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
@@ -35,19 +36,15 @@ fn plate(t: f64) -> f64 {
     }
 }
 
-fn problem(folder: &Path, table: &str, pass: &str) -> Problem {
-    for (name, text) in [("model.json", MODEL), ("data.csv", table), ("pass-1.json", pass)] {
-        std::fs::write(folder.join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.join("pass-1.json"));
-    let mut problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+fn problem(table: &str, pass: &str) -> Problem {
+    let mut problem = small_study::problem(&[("model.json", MODEL), ("data.csv", table), ("pass-1.json", pass)]);
     let rivals =
         ["conductance-step", "temperature-dependent-conductance", "heat-load", "heater-efficiency", "thermal-mass"];
     Arc::make_mut(&mut problem.candidates).retain(|own| rivals.contains(&own.effect.as_str()));
     problem
 }
 
-fn transient(folder: &Path) -> Problem {
+fn transient() -> Problem {
     let mut noise = StreamKey::new(5, "threshold", "noise").stream(0);
     let mut table = String::from("time [s],Q [W],plate [K]\n");
     for row in 0..=120 {
@@ -59,7 +56,7 @@ fn transient(folder: &Path) -> Problem {
         "measurements": {"test": {"transient": {"file": "data.csv", "hold": ["Q"],
           "initial": {"temperatures": {"all": 290}}, "sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.5, "unit": "K"}}}}}},
         "jobs": {"missing": {"diagnose": {}}}}"#;
-    problem(folder, &table, pass)
+    problem(&table, pass)
 }
 
 /// Power above which the joint of the steady phases conducts 3 % less, W.
@@ -69,7 +66,7 @@ const HELD_OUT: [f64; 8] = [15.3, 15.35, 15.4, 15.45, 15.5, 15.55, 15.6, 15.65];
 
 /// Four phases at each of the powers 3, 6, ... 30 W, but one at 15 W, whose reading is `off` kelvin too high; noise of 0.3 K as
 /// plus and minus 0.2 K, with the sign of the bits of a number.
-fn steady(folder: &Path, off: f64) -> Problem {
+fn steady(off: f64) -> Problem {
     let mut table = String::from("phase,Q [W],sink [K],plate [K]\n");
     let mut row = 0_u32;
     let mut add = |q: f64, extra: f64| {
@@ -90,7 +87,7 @@ fn steady(folder: &Path, off: f64) -> Problem {
           "held_out": {"phases": ["P38", "P39", "P40", "P41", "P42", "P43", "P44", "P45"]},
           "sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.3, "unit": "K"}}}}}},
         "jobs": {"missing": {"diagnose": {}}}}"#;
-    let mut problem = problem(folder, &table, pass);
+    let mut problem = problem(&table, pass);
     // What bends little by little, and the plate that gets warmer with the power, would do nearly as well.
     Arc::make_mut(&mut problem.candidates).retain(|own| own.id == "conductance-step:joint:Q");
     problem
@@ -98,9 +95,8 @@ fn steady(folder: &Path, off: f64) -> Problem {
 
 #[test]
 fn a_threshold_is_sought_where_the_temperatures_of_a_transient_are() {
-    let folder = tempfile::tempdir().expect("a folder");
     let key = StreamKey::new(6, "threshold", "diagnosis");
-    let output = Diagnosis::new(transient(folder.path()), Settings::default(), key).run().expect("a diagnosis");
+    let output = Diagnosis::new(transient(), Settings::default(), key).run().expect("a diagnosis");
     assert_eq!(output.selected, ["conductance-step:joint:plate"], "{:?}", output.words);
     let amounts = &output.effects[0].amplitudes;
     // Three of the standard deviations that so sharp a step leaves of the threshold, and of the change.
@@ -113,9 +109,8 @@ fn a_threshold_is_sought_where_the_temperatures_of_a_transient_are() {
 #[test]
 fn held_out_phases_place_a_threshold_that_the_fitted_ones_leave_open() {
     let diagnose = |off: f64| {
-        let folder = tempfile::tempdir().expect("a folder");
         let key = StreamKey::new(6, "threshold", "diagnosis");
-        Diagnosis::new(steady(folder.path(), off), Settings::default(), key).run().expect("a diagnosis")
+        Diagnosis::new(steady(off), Settings::default(), key).run().expect("a diagnosis")
     };
     let is_said =
         |output: &bmv::diagnosis::Output| output.warnings.iter().any(|said| said.contains("a threshold lies"));

@@ -4,6 +4,8 @@
 use bmv::diagnosis::{Diagnosis, Output, Settings};
 use bmv::random::StreamKey;
 
+use super::small_study;
+
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
   "title": "A cell discharged at three currents",
@@ -23,7 +25,7 @@ const LAG_S: f64 = 30.0;
 /// Discharges at 20, 40 and 60 A with rests, in steps of half a second by Euler's rule; the last run is held out.
 fn diagnosed() -> Output {
     let mut noise = StreamKey::new(1, "cell", "noise").stream(0);
-    let folder = tempfile::tempdir().expect("a folder");
+    let mut files = Vec::new();
     let mut measurements = Vec::new();
     for (name, current, seconds) in [("1C", 20.0, 3000.0), ("2C", 40.0, 1500.0), ("3C", 60.0, 1000.0)] {
         let (mut cell, mut read) = (298.15, 298.15);
@@ -37,7 +39,7 @@ fn diagnosed() -> Output {
             cell += 0.5 * (0.004 * i * i - 0.6 * (cell - 298.15)) / 600.0;
             read += 0.5 * (cell - read) / LAG_S;
         }
-        std::fs::write(folder.path().join(format!("{name}.csv")), table).expect("written");
+        files.push((format!("{name}.csv"), table));
         let held_out = if name == "3C" { r#", "held_out": {"all": {}}"# } else { "" };
         measurements.push(format!(
             r#""{name}": {{"transient": {{"file": "{name}.csv", "hold": ["I"],
@@ -50,11 +52,9 @@ fn diagnosed() -> Output {
         "measurements": {{{}}}, "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#,
         measurements.join(", ")
     );
-    for (name, text) in [("model.json", MODEL), ("pass-1.json", &pass)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
-    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    files.extend([("model.json".to_owned(), MODEL.to_owned()), ("pass-1.json".to_owned(), pass)]);
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    let problem = small_study::problem(&files);
     Diagnosis::new(problem, Settings::default(), StreamKey::new(7, "cell", "diagnosis")).run().expect("a diagnosis")
 }
 

@@ -16,7 +16,7 @@ use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Ton
 use crate::report::view::PassReport;
 
 use super::Entry;
-pub(super) use words::{led_by_group, more_probable, near_miss, one_of, proposed_first, since_s, size};
+pub(super) use words::{led_by_group, more_probable, near_miss, one_of, proposed_first, since_s, since_start_s, size};
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;

@@ -126,6 +126,15 @@ pub(in crate::report::section) fn since_s(seconds: f64) -> String {
     format!(", from {}\u{A0}h on", fixed(seconds / 3600.0, 2))
 }
 
+/// The same at a time into every run: in minutes within its first hour.
+pub(in crate::report::section) fn since_start_s(seconds: f64) -> String {
+    let time = match seconds < 3600.0 {
+        true => format!("{}\u{A0}min", fixed(seconds / 60.0, 1)),
+        false => format!("{}\u{A0}h", fixed(seconds / 3600.0, 2)),
+    };
+    format!(", from {time} into every run on")
+}
+
 /// From when on an effect is there: the number of a phase, the time in a record, or that into every run.
 fn since(name: &str, when: &Amount) -> String {
     match (name, when.unit.as_str()) {

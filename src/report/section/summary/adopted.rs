@@ -4,7 +4,7 @@ use crate::expression::Unit;
 use crate::job::calibrate::{self, ParameterSummary};
 use crate::report::number::{fixed, significant, typeset, with_error, with_unit};
 use crate::report::page::{Block, Statement, Status, Text, Tone};
-use crate::report::section::diagnosis::{chance, since_s};
+use crate::report::section::diagnosis::{chance, since_s, since_start_s};
 use crate::report::view::PassReport;
 use crate::study::AdoptedEffect;
 use crate::thermal::Parameter;
@@ -51,14 +51,17 @@ fn stated(parameter: &str, unit: &str, value: f64, sd: Option<f64>) -> String {
     with_unit(&text, &unit)
 }
 
-/// The calibrated size of an effect, and from when on it is there.
+/// The calibrated size of an effect, and from when on it is there: a time in the record, or that into every run.
 fn calibrated_size(report: &PassReport<'_>, effect: &AdoptedEffect, summary: &ParameterSummary) -> String {
     let prefix = format!("{}.", effect.name);
     let own = parameter(report, effect).and_then(|parameter| parameter.name.strip_prefix(&prefix)).unwrap_or_default();
     let size = stated(own, &summary.unit, summary.mean, Some(summary.sd));
-    let date =
-        report.outputs::<calibrate::Kind>().find_map(|(_, output)| output.parameters.get(&format!("{prefix}date")));
-    let since = date.filter(|date| date.unit == "s").map_or_else(String::new, |date| since_s(date.mean));
+    let of_calibrations = |name: &str| {
+        let mut outputs = report.outputs::<calibrate::Kind>();
+        outputs.find_map(|(_, output)| output.parameters.get(&format!("{prefix}{name}")).filter(|own| own.unit == "s"))
+    };
+    let date = of_calibrations("date").map(|own| since_s(own.mean));
+    let since = date.or_else(|| of_calibrations("elapsed").map(|own| since_start_s(own.mean))).unwrap_or_default();
     format!("{size}{since}")
 }
 

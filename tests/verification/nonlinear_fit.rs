@@ -1,8 +1,10 @@
-//! A fit that a missing effect has bent: a box that is believed to lose nothing, whose capacity the fit makes so large that no loss
-//! shows in the linearisation there. The loss is tried in any case.
+//! A fit that a missing effect draws to where the model is far from linear: a box that is believed to lose nothing, whose capacity
+//! the fit makes so large that no loss shows in the linearisation there. The loss is tried in any case.
 
 use bmv::diagnosis::{Diagnosis, Output, Settings};
 use bmv::random::StreamKey;
+
+use super::small_study;
 
 const MODEL: &str = r#"{
   "format": "bmv-network/1",
@@ -39,7 +41,7 @@ fn diagnosed() -> Output {
         )
     };
     let pass = format!(
-        r#"{{"format": "bmv-pass/1", "title": "Bent", "parent": null, "model": "model.json", "seed": 3,
+        r#"{{"format": "bmv-pass/1", "title": "Box that loses heat", "parent": null, "model": "model.json", "seed": 3,
         "measurements": {{"test": {{"transient": {{"file": "data.csv", "hold": ["Q"],
             "initial": {{"temperatures": {{"all": {{"value": 21, "unit": "degC"}}}}}}, "sensors": {{{}, {}}},
             "held_out": {{"intervals": [{{"from": {{"value": 5400, "unit": "s"}}}}]}}}}}}}},
@@ -47,12 +49,7 @@ fn diagnosed() -> Output {
         sensor("heater"),
         sensor("box")
     );
-    let folder = tempfile::tempdir().expect("a folder");
-    for (name, text) in [("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)] {
-        std::fs::write(folder.path().join(name), text).expect("written");
-    }
-    let pass = bmv::job::load(&folder.path().join("pass-1.json"));
-    let problem = bmv::study::problem(&pass.unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20))));
+    let problem = small_study::problem(&[("model.json", MODEL), ("data.csv", &table), ("pass-1.json", &pass)]);
     Diagnosis::new(problem, Settings::default(), StreamKey::new(7, "bent", "diagnosis")).run().expect("a diagnosis")
 }
 
