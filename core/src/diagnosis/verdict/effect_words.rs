@@ -44,11 +44,25 @@ pub(super) fn onset(effect: &EffectResult, problem: &Problem) -> String {
     if clock == Clock::Elapsed {
         return format!(", from {} {} into every run on", with_error(amount.value, amount.sd), amount.unit);
     }
-    let mut phases: Vec<(f64, &str)> = Vec::new();
+    let (mut phases, mut runs): (Vec<(f64, &str)>, Vec<Run<'_>>) = Default::default();
     for measurement in &problem.measurements {
-        let Rows::Steady(own) = &measurement.rows else { continue };
         let level = |row: usize| measurement.level(&problem.model, row, problem.model.clocks.get(clock)?);
-        phases.extend(own.iter().enumerate().filter_map(|(row, phase)| Some((level(row)?, phase.name.as_str()))));
+        match &measurement.rows {
+            Rows::Steady(own) => {
+                let levels = own.iter().enumerate().filter_map(|(row, phase)| Some((level(row)?, phase.name.as_str())));
+                phases.extend(levels);
+            }
+            Rows::Transient { inputs, .. } => {
+                let ends = level(0).zip(measurement.len().checked_sub(1).and_then(level));
+                let begins_s = inputs.times_s.first().copied().unwrap_or(0.0);
+                runs.extend(ends.map(|(from, to)| Run { name: &measurement.name, from, to, begins_s }));
+            }
+        }
+    }
+    if phases.is_empty()
+        && let Some(words) = in_runs(amount, runs)
+    {
+        return words;
     }
     phases.sort_by(|a, b| a.0.total_cmp(&b.0));
     let after = phases.partition_point(|phase| phase.0 <= amount.most_probable);
@@ -62,6 +76,39 @@ pub(super) fn onset(effect: &EffectResult, problem: &Problem) -> String {
             format!(", from {when} {unit}{since} on")
         }
     }
+}
+
+/// A transient on the clock of dates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The date of its first row, s.
+    pub from: f64,
+    /// The date of its last row, s.
+    pub to: f64,
+    /// The time of its first row as its file states it, s.
+    pub begins_s: f64,
+}
+
+/// Share of a run's length by which a date may lie beside its end and be between two runs.
+const BESIDE: f64 = 0.005;
+
+/// When a change at a date sets in, where several transients follow one another: in which of them and at which of its times, or
+/// between which. `None` where there are less than two.
+pub fn in_runs(amount: &Amount, mut runs: Vec<Run<'_>>) -> Option<String> {
+    runs.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let date = amount.most_probable;
+    let is_between = |pair: &[Run<'_>]| {
+        let beside = |run: &Run<'_>| amount.sd.max(BESIDE * (run.to - run.from)).min(0.5 * (run.to - run.from));
+        pair[0].to - beside(&pair[0]) <= date && date <= pair[1].from + beside(&pair[1])
+    };
+    if let Some(pair) = runs.windows(2).find(|pair| is_between(pair)) {
+        return Some(format!(", between `{}` and `{}`", pair[0].name, pair[1].name));
+    }
+    let run = runs.iter().rfind(|run| run.from <= date).filter(|_| runs.len() > 1)?;
+    let when = with_error((amount.value - run.from + run.begins_s) / 3600.0, amount.sd / 3600.0);
+    Some(format!(", from {when} h of `{}` on", run.name))
 }
 
 /// Date and time from which on an effect is there, where that is known.

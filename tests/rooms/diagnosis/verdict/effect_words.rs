@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/verdict/effect_words.rs`.
 
-use bmv::diagnosis::output::EffectResult;
+use bmv::diagnosis::output::{Amount, EffectResult};
 use bmv::diagnosis::verdict::effect_words::*;
 
 use super::words::effect;
@@ -29,4 +29,30 @@ fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
 fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
     assert_eq!(size(&effect(0.0308)), ", conductance 0.031 ± 0.013 W/K");
     assert_eq!(size(&effect(0.0347)), ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)");
+}
+
+/// Two runs of 10 h, of which the second begins at 100 h by its own clock.
+#[test]
+fn a_date_is_stated_in_the_run_in_which_it_lies() {
+    let hour = 3600.0;
+    let run = |name, from: f64, begins: f64| Run {
+        name,
+        from: from * hour,
+        to: (from + 10.0) * hour,
+        begins_s: begins * hour,
+    };
+    let at = |when: f64, sd: f64| Amount {
+        value: when * hour,
+        sd: sd * hour,
+        most_probable: when * hour,
+        unit: "s".to_owned(),
+        at_bound: false,
+    };
+    let runs = || vec![run("cold", 10.0, 100.0), run("hot", 0.0, 0.0)];
+    assert_eq!(in_runs(&at(2.5, 0.1), runs()).unwrap(), ", from 2.50 ± 0.10 h of `hot` on");
+    assert_eq!(in_runs(&at(12.5, 0.1), runs()).unwrap(), ", from 102.50 ± 0.10 h of `cold` on");
+    for near in [at(9.96, 0.001), at(10.04, 0.001), at(9.0, 1.2), at(10.0, 40.0)] {
+        assert_eq!(in_runs(&near, runs()).unwrap(), ", between `hot` and `cold`", "{near:?}");
+    }
+    assert_eq!(in_runs(&at(2.5, 0.1), vec![run("hot", 0.0, 0.0)]), None);
 }
