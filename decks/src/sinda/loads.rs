@@ -61,6 +61,7 @@ pub(super) fn add_source(assembly: &mut Assembly, submodel: &str, card: &Card<'_
 
 fn push(assembly: &mut Assembly, node: &(String, i64), power: Quantity, comment: Option<&str>) -> Result<(), String> {
     let into = assembly.find_node(node)?;
+    let power = assembly.control.scaled(power, assembly.control.units.watt())?;
     let label = comment.map(|comment| assembly.label(comment, HEAT_LOAD));
     assembly.heats.push(Heat { into, power, label });
     Ok(())

@@ -5,16 +5,19 @@
 //! follows the SINDA/FLUINT user's manual (C&R Technologies). Data blocks are read. Code is refused at its line, but for
 //! heat added to a node in VARIABLES 0 and for what Thermal Desktop always writes and that has no physics in it.
 
+mod arrays;
 mod assembly;
 mod block;
 mod card;
 mod conductors;
 mod control;
 mod heating;
+mod law;
 mod loads;
 mod nodes;
 mod result;
 mod subroutines;
+mod units;
 #[cfg(test)]
 mod tests;
 
@@ -42,7 +45,7 @@ impl SindaFile<'_> {
 
     /// Whether it has a block of a deck.
     fn is_deck(&self) -> bool {
-        self.text.lines().any(|line| card::header(line).is_some_and(|words| block::is_known(&words)))
+        self.text.lines().any(|line| card::header(line).is_some_and(|header| block::is_known(&header.words)))
     }
 
     /// Whether it is what SINDA/FLUINT printed.
@@ -75,7 +78,7 @@ pub fn read(files: &[SindaFile<'_>]) -> Result<Deck, Vec<DeckError>> {
     let blocks = block::blocks(&decks, &mut errors);
     let mut deck = assembly::assemble(&blocks, &mut errors);
     if let [result] = results.as_slice() {
-        match result::record(result, &deck.deck.nodes, deck.zero_k) {
+        match result::record(result, &deck.deck.nodes, deck.units) {
             Ok((record, notes)) => {
                 deck.deck.notes.extend(notes);
                 deck.add_record(record);

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::SindaFile;
+use super::units::Units;
 use crate::{DeckError, Node, Note, Record};
 
 /// Routines that end in a steady state.
@@ -70,10 +71,10 @@ fn values(line: &str) -> Vec<(u64, Result<f64, String>)> {
 }
 
 /// The printed steady state as a record of the nodes.
-pub(super) fn record(file: &SindaFile<'_>, nodes: &[Node], zero_k: f64) -> Result<(Record, Vec<Note>), DeckError> {
+pub(super) fn record(file: &SindaFile<'_>, nodes: &[Node], units: Units) -> Result<(Record, Vec<Note>), DeckError> {
     let printed: HashMap<String, f64> = read_result(file.name, file.text)?.into_iter().collect();
     let temperatures_k: Vec<Vec<f64>> =
-        nodes.iter().map(|node| printed.get(&node.name).map(|value| value + zero_k).into_iter().collect()).collect();
+        nodes.iter().map(|node| printed.get(&node.name).map(|value| units.kelvin(*value)).into_iter().collect()).collect();
     let missing: Vec<&str> =
         nodes.iter().filter(|node| !printed.contains_key(&node.name)).map(|node| node.name.as_str()).collect();
     if missing.len() == nodes.len() {

@@ -244,7 +244,7 @@ fn malformed_decks_are_refused_at_their_line() {
     inp("abszro = -273.15", "abszro = -459.67", "runs/CASE.INP:", "degF");
     inp("abszro = -273.15", "abszro = 0.", "runs/CASE.INP:", "does not go with TDUNITS");
     inp("sigma = 5.6704E-8", "sigma = 0.", "runs/CASE.INP:", "above 0");
-    inp("UID = SI", "UID = ENG", "runs/CASE.INP:7:", "SI units");
+    inp("UID = SI", "UID = ENG", "runs/CASE.INP:", "UID other than SI");
     inp("HEADER OPERATION DATA", "HEADER FLOW DATA, WATER", "runs/CASE.INP:9:", "not read");
     inp("HEADER OPERATION DATA", "HEADER OPERAND DATA", "runs/CASE.INP:8:", "not known");
     inp("HEADER OPTIONS DATA", "HEADERS", "runs/CASE.INP:2:", "`HEADER ...`");
