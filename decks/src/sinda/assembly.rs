@@ -63,12 +63,14 @@ pub(super) struct Assembled {
     pub(super) deck: Deck,
     /// Its units.
     pub(super) units: Units,
+    /// Whether it has heating rates that are those of an orbit's mean.
+    pub(super) has_means: bool,
 }
 
 impl Assembled {
     /// Adds the temperatures of a result, at the deck's own values of the inputs.
     pub(super) fn add_record(&mut self, record: Record) {
-        let inputs = self.deck.inputs.iter().map(|input| vec![input.nominal]).collect();
+        let inputs = self.deck.inputs.iter().map(|input| vec![input.nominal; record.times_s.len()]).collect();
         self.deck.record = Some(Record { inputs, ..record });
     }
 }
@@ -108,11 +110,10 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
     assembly.read(blocks, Kind::Conductors, errors, |assembly, block, card| {
         conductors::add(assembly, &mut contact, &block.submodel, card)
     });
-    assembly
-        .read(blocks, Kind::Variables0, errors, |assembly, block, card| loads::add(assembly, &block.submodel, card));
     assembly.read(blocks, Kind::Sources, errors, |assembly, block, card| {
         loads::add_source(assembly, &block.submodel, card)
     });
+    assembly.read(blocks, Kind::Heats, errors, |assembly, block, card| loads::add(assembly, &block.submodel, card));
     if before > 0 {
         let mut place = 0;
         errors.retain(|error| {
@@ -123,7 +124,7 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
     for block in blocks {
         let Some(card) = block.cards.first() else { continue };
         let what = match block.kind {
-            Kind::Variables => "statements within the solution are not read; write constant values in their place",
+            Kind::Logic => "statements behind each step are not read; write constant values in their place",
             Kind::Refused => "this block is not read; leave it out, with what it does written as heats and boundaries",
             _ => continue,
         };
@@ -178,6 +179,12 @@ impl Assembly {
     pub(super) fn find_node(&self, (submodel, number): &(String, i64)) -> Result<usize, String> {
         let key = (submodel.clone(), number.unsigned_abs());
         self.places.get(&key).copied().ok_or_else(|| format!("node {} {NOT_DEFINED}", node_name(submodel, number)))
+    }
+
+    /// Whether a node has heat already.
+    pub(super) fn is_heated(&self, node: &(String, i64)) -> Result<bool, String> {
+        let place = self.find_node(node)?;
+        Ok(self.heats.iter().any(|heat| heat.into == place))
     }
 
     /// Temperature of a node at the start, in K.
@@ -341,7 +348,7 @@ impl Assembly {
                     .to_owned(),
             );
         }
-        Assembled { units: self.control.units, deck: self.deck }
+        Assembled { units: self.control.units, has_means: !self.heating.is_empty(), deck: self.deck }
     }
 }
 

@@ -26,10 +26,10 @@ pub(super) enum Kind {
     Arrays,
     /// HEADER CARRAY DATA: lists of names.
     NameArrays,
-    /// HEADER VARIABLES 0: statements at each instant.
-    Variables0,
-    /// HEADER VARIABLES 1 and 2: statements within the solution.
-    Variables,
+    /// HEADER VARIABLES 0 and 1: statements at each instant and within the solution, of which heat at nodes is read.
+    Heats,
+    /// HEADER VARIABLES 2: statements behind each step.
+    Logic,
     /// HEADER SUBROUTINE.
     Subroutines,
     /// Solver, output and operation: no part of the network.
@@ -50,8 +50,8 @@ impl Kind {
             "SOURCE" => Self::Sources,
             "ARRAY" => Self::Arrays,
             "CARRAY" => Self::NameArrays,
-            "VARIABLES" if word(1) == "0" => Self::Variables0,
-            "VARIABLES" => Self::Variables,
+            "VARIABLES" if word(1) == "2" => Self::Logic,
+            "VARIABLES" => Self::Heats,
             "SUBROUTINE" | "SUBROUTINES" => Self::Subroutines,
             "OPERATION" | "OPERATIONS" | "SOLVER" | "OUTPUT" | "PROCEDURE" | "RELIABILITY" | "EXECUTION"
             | "MODULE" | "END" => Self::Unused,

@@ -78,7 +78,7 @@ pub fn read(files: &[SindaFile<'_>]) -> Result<Deck, Vec<DeckError>> {
     let blocks = block::blocks(&decks, &mut errors);
     let mut deck = assembly::assemble(&blocks, &mut errors);
     if let [result] = results.as_slice() {
-        match result::record(result, &deck.deck.nodes, deck.units) {
+        match result::record(result, &deck.deck.nodes, deck.units, deck.has_means) {
             Ok((record, notes)) => {
                 deck.deck.notes.extend(notes);
                 deck.add_record(record);
