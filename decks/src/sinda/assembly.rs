@@ -11,7 +11,7 @@ use super::heating::{self, Means};
 use super::loads::{self, Heat};
 use super::nodes::node_name;
 use super::units::Units;
-use super::{nodes, subroutines};
+use super::{heaters, nodes, subroutines};
 use crate::arithmetic::quantity::Quantity;
 use crate::identifier::{Identifiers, unique};
 use crate::{CELSIUS_ZERO_K, CouplingKind, Deck, DeckError, Group, Input, Load, Node, Note, Parameter, Record, Value};
@@ -43,6 +43,9 @@ pub(super) struct Assembly {
     pub(super) arrays: Arrays,
     /// Names of the tables of arrays.
     pub(super) tables: HashMap<(String, i64), String>,
+    /// Handles of the heaters that were read, and their names.
+    pub(super) heater_handles: BTreeSet<String>,
+    pub(super) heater_names: HashSet<String>,
     /// The deck so far.
     pub(super) deck: Deck,
     /// Names that are used.
@@ -87,6 +90,8 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
         control,
         arrays,
         tables: HashMap::new(),
+        heater_handles: BTreeSet::new(),
+        heater_names: HashSet::new(),
         conductors: Vec::new(),
         heats: Vec::new(),
         heating: BTreeSet::new(),
@@ -113,7 +118,15 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
     assembly.read(blocks, Kind::Sources, errors, |assembly, block, card| {
         loads::add_source(assembly, &block.submodel, card)
     });
-    assembly.read(blocks, Kind::Heats, errors, |assembly, block, card| loads::add(assembly, &block.submodel, card));
+    for block in blocks.iter().filter(|block| block.kind == Kind::Heats) {
+        for card in heaters::add(&mut assembly, block, errors) {
+            if let Err(message) = loads::add(&mut assembly, &block.submodel, card) {
+                errors.push(DeckError::at(card.file, card.line, message));
+                // Below the first line that is not understood stands more of the same.
+                break;
+            }
+        }
+    }
     if before > 0 {
         let mut place = 0;
         errors.retain(|error| {
@@ -124,13 +137,16 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
     for block in blocks {
         let Some(card) = block.cards.first() else { continue };
         let what = match block.kind {
+            Kind::Logic if heaters::is_counting(&assembly, block) => continue,
             Kind::Logic => "statements behind each step are not read; write constant values in their place",
             Kind::Refused => "this block is not read; leave it out, with what it does written as heats and boundaries",
             _ => continue,
         };
         errors.push(DeckError::at(card.file, card.line, format!("`{}`: {what}", card.text)));
     }
-    blocks.iter().filter(|block| block.kind == Kind::Subroutines).for_each(|block| subroutines::check(block, errors));
+    blocks.iter().filter(|block| block.kind == Kind::Subroutines).for_each(|block| {
+        subroutines::check(block, &assembly.heater_handles, errors);
+    });
     assembly.add_heating(blocks, errors);
     assembly.finish()
 }

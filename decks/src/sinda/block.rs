@@ -53,8 +53,8 @@ impl Kind {
             "VARIABLES" if word(1) == "2" => Self::Logic,
             "VARIABLES" => Self::Heats,
             "SUBROUTINE" | "SUBROUTINES" => Self::Subroutines,
-            "OPERATION" | "OPERATIONS" | "SOLVER" | "OUTPUT" | "PROCEDURE" | "RELIABILITY" | "EXECUTION"
-            | "MODULE" | "END" => Self::Unused,
+            "OPERATION" | "OPERATIONS" | "SOLVER" | "OUTPUT" | "PROCEDURE" | "RELIABILITY" | "EXECUTION" | "MODULE"
+            | "END" => Self::Unused,
             "FLOW" | "FLOGIC" | "FPROP" | "MIXTURE" | "USER" => Self::Refused,
             _ => return None,
         })
@@ -99,7 +99,8 @@ pub(super) fn blocks<'a>(files: &[SindaFile<'a>], errors: &mut Vec<DeckError>) -
         file.base() != other && file.text.lines().filter_map(insert).any(|name| is_same(&name, other))
     };
     let is_inserted = |file: &SindaFile<'_>| files.iter().any(|other| inserts(other, &file.base()));
-    let mut reading = Reading { files, blocks: Vec::new(), leading: Vec::new(), errors, opened: Vec::new(), read: Vec::new() };
+    let mut reading =
+        Reading { files, blocks: Vec::new(), leading: Vec::new(), errors, opened: Vec::new(), read: Vec::new() };
     for file in files.iter().filter(|file| !is_inserted(file)) {
         reading.open(*file);
     }

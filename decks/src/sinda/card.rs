@@ -37,7 +37,8 @@ pub(super) enum Line<'a> {
 pub(super) fn line(text: &str, is_numbered: bool) -> Line<'_> {
     let mut characters = text.chars();
     let first = characters.next();
-    let is_word = characters.next().is_some_and(char::is_alphanumeric) && !(is_numbered && matches!(first, Some('C' | 'c')));
+    let is_word =
+        characters.next().is_some_and(char::is_alphanumeric) && !(is_numbered && matches!(first, Some('C' | 'c')));
     if is_numbered && text.trim_start().starts_with("REM ") {
         return Line::Comment(text.trim_start().get(4..).unwrap_or_default().trim());
     }

@@ -161,7 +161,8 @@ impl Build<'_, '_> {
                 law(assembly, submodel, form, fields[0], at, fields[1])
             }
             Law::AtEnds(_, _) if kind == CouplingKind::Radiative => {
-                Err("a radiation conductor with an array at each end is not read: write its value as a number".to_owned())
+                Err("a radiation conductor with an array at each end is not read: write its value as a number"
+                    .to_owned())
             }
             Law::AtEnds(form, fields) => {
                 let first = At { expression: "Ta", initial_k: initial[0] };

@@ -2,8 +2,8 @@
 
 use super::arrays::points;
 use super::assembly::Assembly;
-use crate::arithmetic::quantity::Quantity;
 use crate::Table;
+use crate::arithmetic::quantity::Quantity;
 
 /// How an array is understood.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -33,10 +33,7 @@ pub(super) fn add(assembly: &mut Assembly, submodel: &str, card: &Card<'_>) -> R
     }
     let refused = || {
         let name = node_name(submodel, "Q12");
-        format!(
-            "`{}` is not read: expected heat added to a node, such as `{name} = {name} + 0.5`",
-            card.text
-        )
+        format!("`{}` is not read: expected heat added to a node, such as `{name} = {name} + 0.5`", card.text)
     };
     let (target, sum) = upper.split_once('=').ok_or_else(refused)?;
     let (target, sum) = (target.trim(), sum.trim());

@@ -11,15 +11,16 @@ mod block;
 mod card;
 mod conductors;
 mod control;
+mod heaters;
 mod heating;
 mod law;
 mod loads;
 mod nodes;
 mod result;
 mod subroutines;
-mod units;
 #[cfg(test)]
 mod tests;
+mod units;
 
 use crate::{Deck, DeckError};
 

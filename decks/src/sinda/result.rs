@@ -158,7 +158,8 @@ pub(super) fn record(
     };
     let rows: Vec<HashMap<String, f64>> = rows.into_iter().map(|row| row.into_iter().collect()).collect();
     let of_node = |node: &Node| {
-        let column: Option<Vec<f64>> = rows.iter().map(|row| row.get(&node.name).map(|value| units.kelvin(*value))).collect();
+        let column: Option<Vec<f64>> =
+            rows.iter().map(|row| row.get(&node.name).map(|value| units.kelvin(*value))).collect();
         column.unwrap_or_default()
     };
     let temperatures_k: Vec<Vec<f64>> = nodes.iter().map(of_node).collect();

@@ -5,7 +5,8 @@ use super::block::Block;
 use crate::{CELSIUS_ZERO_K, DeckError};
 
 /// Energies in J. BTU is that of the International Table.
-const ENERGIES: [(&str, f64); 5] = [("J", 1.0), ("KJ", 1e3), ("WHR", 3600.0), ("BTU", 1055.055_852_62), ("CAL", 4.1868)];
+const ENERGIES: [(&str, f64); 5] =
+    [("J", 1.0), ("KJ", 1e3), ("WHR", 3600.0), ("BTU", 1055.055_852_62), ("CAL", 4.1868)];
 /// Times in s.
 const TIMES: [(&str, f64); 8] = [
     ("S", 1.0),
@@ -21,12 +22,8 @@ const TIMES: [(&str, f64); 8] = [
 const LENGTHS: [(&str, f64); 7] =
     [("M", 1.0), ("CM", 0.01), ("MM", 1e-3), ("IN", 0.0254), ("INCH", 0.0254), ("FT", 0.3048), ("FEET", 0.3048)];
 /// Degrees in K, and the temperature of 0 in K.
-const TEMPERATURES: [(&str, (f64, f64)); 4] = [
-    ("K", (1.0, 0.0)),
-    ("C", (1.0, CELSIUS_ZERO_K)),
-    ("R", (5.0 / 9.0, 0.0)),
-    ("F", (5.0 / 9.0, 459.67 * 5.0 / 9.0)),
-];
+const TEMPERATURES: [(&str, (f64, f64)); 4] =
+    [("K", (1.0, 0.0)), ("C", (1.0, CELSIUS_ZERO_K)), ("R", (5.0 / 9.0, 0.0)), ("F", (5.0 / 9.0, 459.67 * 5.0 / 9.0))];
 
 /// What one unit of the deck is in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +95,5 @@ pub(super) fn stated(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> State
 fn find<T: Copy>(known: &[(&str, T)], unit: &str) -> Result<T, String> {
     let plain: String = unit.chars().filter(char::is_ascii_alphabetic).map(|c| c.to_ascii_uppercase()).collect();
     let found = known.iter().find(|(name, _)| *name == plain || plain.strip_suffix('S') == Some(name));
-    found.map(|(_, value)| *value).ok_or_else(|| {
-        known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
-    })
+    found.map(|(_, value)| *value).ok_or_else(|| known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "))
 }
