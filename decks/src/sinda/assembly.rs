@@ -39,6 +39,10 @@ pub(super) struct Assembly {
     pub(super) heating: BTreeSet<String>,
     /// Conductors with the same node at both ends.
     pub(super) joined_to_themselves: usize,
+    /// The place of the first conductor below 0, and how many there are.
+    pub(super) negative: Option<(String, usize)>,
+    /// Whether a value is given as a product of four.
+    pub(super) has_products: bool,
     /// Arrays that options refer to.
     pub(super) arrays: Arrays,
     /// Names of the tables of arrays.
@@ -96,6 +100,8 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
         heats: Vec::new(),
         heating: BTreeSet::new(),
         joined_to_themselves: 0,
+        negative: None,
+        has_products: false,
         deck,
         identifiers,
         places: HashMap::new(),
@@ -248,7 +254,8 @@ impl Assembly {
             let means = match heating::means(block) {
                 None => {
                     let is_used = self.tables.keys().any(|(submodel, _)| *submodel == block.submodel);
-                    if !block.cards.is_empty() && !is_used {
+                    let is_empty = block.cards.iter().all(|card| card.text.eq_ignore_ascii_case("END"));
+                    if !is_empty && !is_used {
                         let place = format!("{}:{}", block.file, block.line);
                         let message = "Arrays are not read: nothing that is read refers to them.".to_owned();
                         self.deck.notes.push(Note::at(place, message));
@@ -356,6 +363,16 @@ impl Assembly {
         let mut note = |message: String| self.deck.notes.push(Note::new(message));
         if self.joined_to_themselves > 0 {
             note(format!("{} conductors join a node to itself and are left out.", self.joined_to_themselves));
+        }
+        if let Some((first, count)) = &self.negative {
+            note(format!(
+                "{count} conductors have values below 0, as those of finite elements may; the first stands at {first}."
+            ));
+        }
+        if self.has_products {
+            note(
+                "Four numbers X, Y, Z, W are the capacity X Y Z W of a node, and X Y Z / W of a conductor.".to_owned(),
+            );
         }
         if of_contacts(&self.deck.parameters) {
             note(

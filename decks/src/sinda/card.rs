@@ -39,8 +39,11 @@ pub(super) fn line(text: &str, is_numbered: bool) -> Line<'_> {
     let first = characters.next();
     let is_word =
         characters.next().is_some_and(char::is_alphanumeric) && !(is_numbered && matches!(first, Some('C' | 'c')));
-    if is_numbered && text.trim_start().starts_with("REM ") {
-        return Line::Comment(text.trim_start().get(4..).unwrap_or_default().trim());
+    if is_numbered
+        && let Some(remark) = text.trim_start().strip_prefix("REM")
+        && !remark.starts_with(|c: char| !c.is_whitespace())
+    {
+        return Line::Comment(remark.trim());
     }
     let rest = match first {
         Some('C' | 'c') if !is_word => return Line::Comment(text.get(1..).unwrap_or_default().trim()),

@@ -117,7 +117,10 @@ impl Build<'_, '_> {
         let between = [self.assembly.find_node(&ends[0])?, self.assembly.find_node(&ends[1])?];
         let kind = if number < 0 { CouplingKind::Radiative } else { CouplingKind::Linear };
         let value = self.value(kind, between)?;
-        if !(value.nominal >= 0.0) {
+        if kind == CouplingKind::Linear && value.is_number() && value.nominal < 0.0 {
+            let first = format!("{}:{}", self.card.file, self.card.line);
+            self.assembly.negative.get_or_insert((first, 0)).1 += 1;
+        } else if !(value.nominal >= 0.0) {
             return Err(format!("a value of {}: expected 0 or more", value.nominal));
         }
         let units = self.assembly.control.units;
@@ -150,6 +153,7 @@ impl Build<'_, '_> {
         match self.law {
             Law::Constant(value) => assembly.control.quantity(value).map_err(|message| format!("value: {message}")),
             Law::Ratio(fields) => {
+                assembly.has_products = true;
                 let mut value = assembly.control.quantity(fields[0])?;
                 for field in &fields[1..3] {
                     value = value.join('*', assembly.control.quantity(field)?)?;

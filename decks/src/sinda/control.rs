@@ -22,6 +22,8 @@ const STATE_UNITS: &str = "state the units in comments at the top, such as `C TD
 pub(super) struct Control {
     /// The deck's units.
     pub(super) units: Units,
+    /// Whether they are known, so that temperatures mean something.
+    pub(super) are_units_known: bool,
     /// What exchange areas are multiplied by to be in m2.
     pub(super) square_metre: f64,
     /// The deck's Stefan-Boltzmann constant in W/(m2 K4).
@@ -45,6 +47,7 @@ impl Control {
         let mut constants: HashMap<String, f64> = HashMap::new();
         let mut control = Self {
             units: Units::SI,
+            are_units_known: true,
             square_metre: 1.0,
             stefan_boltzmann: 1.0,
             title: String::new(),
@@ -67,7 +70,10 @@ impl Control {
         let is_numbered = blocks.iter().any(|block| block.is_numbered);
         match units(&constants, stated, is_numbered) {
             Ok(units) => control.units = units,
-            Err(message) => errors.push(DeckError::of(first, message)),
+            Err(message) => {
+                control.are_units_known = false;
+                errors.push(DeckError::of(first, message));
+            }
         }
         let sigma = match constants.get("SIGMA") {
             Some(&sigma) if sigma > 0.0 => Some(sigma),
@@ -210,8 +216,9 @@ fn units(constants: &HashMap<String, f64>, stated: Stated, is_numbered: bool) ->
         (_, Some(stated)) => stated,
         (Some(zero), None) => (1.0, -zero),
         (None, None) => {
-            let message = "expected ABSZRO in CONTROL DATA: 0 for temperatures in K, -273.15 for degC; give the `.inp`";
-            return Err(message.to_owned());
+            return Err(format!(
+                "expected ABSZRO in CONTROL DATA: 0 for temperatures in K, -273.15 for degC; give the `.inp`, or {STATE_UNITS}"
+            ));
         }
     };
     Ok(Units {

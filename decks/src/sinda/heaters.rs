@@ -148,14 +148,15 @@ impl Reading<'_, '_, '_, '_> {
             let (of, name) = node.rsplit_once('.').unwrap_or((submodel, node));
             Some((of.to_owned(), integer(name.strip_prefix('T')?).ok()?))
         });
-        self.expect("ST#=T__TD")?;
-        node.ok_or_else(|| {
+        let node = node.ok_or_else(|| {
             format!(
                 "heater {} senses `{text}`: a single node is read; leave the heater out and add it to `heaters` of the \
                  imported model",
                 self.handle
             )
-        })
+        })?;
+        self.expect("ST#=T__TD")?;
+        Ok(node)
     }
 
     /// The heated nodes with their shares: statements `SUB.Q1 = SUB.Q1 + PO343 * 1.`, one at least.

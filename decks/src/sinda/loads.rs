@@ -44,10 +44,11 @@ pub(super) fn add(assembly: &mut Assembly, submodel: &str, card: &Card<'_>) -> R
     };
     let (of, name) = target.rsplit_once('.').unwrap_or((submodel, target));
     let digits = name.strip_prefix('Q').map(|rest| rest.trim_matches(['(', ')'])).ok_or_else(refused)?;
-    if digits.is_empty() {
+    let is_name = of.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if digits.is_empty() || !is_name {
         return Err(refused());
     }
-    let node = (of.trim().to_owned(), integer(digits.trim()).map_err(|_| refused())?);
+    let node = (of.to_owned(), integer(digits.trim()).map_err(|_| refused())?);
     let power = assembly.control.quantity(power).map_err(|message| format!("{message}; {}", refused()))?;
     if !is_sum && assembly.is_heated(&node)? {
         return Err(format!("`{}` replaces heat that was given before; write one heat alone", card.text));

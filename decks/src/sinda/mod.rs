@@ -1,9 +1,10 @@
-//! SINDA/FLUINT decks as text, as Thermal Desktop writes them: `.inp`, `.cc`, `.k`, `.hra`, `.hrl`, and the printed result
-//! `.out`.
+//! Decks of SINDA/FLUINT and SINDA/G as text: `.inp`, `.cc`, `.k`, `.hra`, `.hrl` as Thermal Desktop writes them, `.sin` with
+//! numbered headers (`BCD 3NODE DATA`), and the printed result `.out`.
 //!
 //! The layout was read off public decks of Thermal Desktop 6.2 (`bpar907/APSS-2-Thermal-TXRX`, `oresat/oresat-thermal`) and
-//! follows the SINDA/FLUINT user's manual (C&R Technologies). Data blocks are read. Code is refused at its line, but for
-//! heat added to a node in VARIABLES 0 and for what Thermal Desktop always writes and that has no physics in it.
+//! SINDA/G (`afcarl/RR062`), and follows the SINDA/FLUINT user's manual (C&R Technologies). Data blocks are read. Code is refused
+//! at its line, but for heat given to a node in VARIABLES 0 and 1, heaters of Thermal Desktop, and what it always writes and
+//! that has no physics in it.
 
 mod arrays;
 mod assembly;
@@ -68,7 +69,7 @@ pub fn recognises(files: &[SindaFile<'_>]) -> bool {
 ///
 /// Named contacts become parameters in W/K, the sum of their conductors, each a share of it. Named heat loads become inputs in
 /// W likewise. Each set of radiation conductors and of heating rates gets a scale with the nominal value 1. Groups are
-/// submodels and contacts. Temperatures of a printed steady state become the record.
+/// submodels and contacts. Temperatures of a printed steady state become the record, else those of a printed transient.
 ///
 /// # Errors
 /// Each line that is not understood, fifty at most.

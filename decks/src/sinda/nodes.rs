@@ -91,7 +91,7 @@ fn one(
     let temperature = assembly.control.quantity(temperature).map_err(|message| format!("temperature: {message}"))?;
     let kelvin = assembly.control.scaled(temperature, units.kelvin_per_degree)?;
     let kelvin = kelvin.join('+', Quantity::number(units.zero_k, false))?;
-    if kelvin.nominal < 0.0 {
+    if kelvin.nominal < 0.0 && assembly.control.are_units_known {
         return Err(format!("a temperature of {} K, below absolute zero", kelvin.nominal));
     }
     let initial_k = kelvin.nominal;
@@ -127,6 +127,7 @@ fn capacity(
     let mut whole: Option<Quantity> = None;
     match capacity {
         Capacity::Product(factors) => {
+            assembly.has_products |= factors.len() > 1;
             for factor in *factors {
                 let factor = assembly.control.quantity(factor).map_err(|message| format!("capacity: {message}"))?;
                 whole = Some(match whole {

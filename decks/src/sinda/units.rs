@@ -22,8 +22,12 @@ const TIMES: [(&str, f64); 8] = [
 const LENGTHS: [(&str, f64); 7] =
     [("M", 1.0), ("CM", 0.01), ("MM", 1e-3), ("IN", 0.0254), ("INCH", 0.0254), ("FT", 0.3048), ("FEET", 0.3048)];
 /// Degrees in K, and the temperature of 0 in K.
-const TEMPERATURES: [(&str, (f64, f64)); 4] =
-    [("K", (1.0, 0.0)), ("C", (1.0, CELSIUS_ZERO_K)), ("R", (5.0 / 9.0, 0.0)), ("F", (5.0 / 9.0, 459.67 * 5.0 / 9.0))];
+const TEMPERATURES: [(&str, (f64, f64)); 4] = [
+    ("K", (1.0, 0.0)),
+    ("C", (1.0, CELSIUS_ZERO_K)),
+    ("R", (5.0 / 9.0, 0.0)),
+    ("F", (5.0 / 9.0, 459.67 * (5.0 / 9.0))),
+];
 
 /// What one unit of the deck is in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
