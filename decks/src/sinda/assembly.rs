@@ -11,7 +11,7 @@ use super::heating::{self, Means};
 use super::loads::{self, Heat};
 use super::nodes::node_name;
 use super::units::Units;
-use super::{heaters, nodes, subroutines};
+use super::{heaters, nodes, subroutines, thermostat};
 use crate::arithmetic::quantity::Quantity;
 use crate::identifier::{Identifiers, unique};
 use crate::{CELSIUS_ZERO_K, CouplingKind, Deck, DeckError, Group, Input, Load, Node, Note, Parameter, Record, Value};
@@ -125,8 +125,10 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
         loads::add_source(assembly, &block.submodel, card)
     });
     for block in blocks.iter().filter(|block| block.kind == Kind::Heats) {
+        let mut constants = thermostat::Constants::new();
         for card in heaters::add(&mut assembly, block, errors) {
-            if let Err(message) = loads::add(&mut assembly, &block.submodel, card) {
+            let done = block.is_numbered.then(|| thermostat::add(&mut assembly, &mut constants, card)).flatten();
+            if let Err(message) = done.unwrap_or_else(|| loads::add(&mut assembly, &block.submodel, card)) {
                 errors.push(DeckError::at(card.file, card.line, message));
                 // Below the first line that is not understood stands more of the same.
                 break;

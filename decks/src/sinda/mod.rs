@@ -21,6 +21,7 @@ mod result;
 mod subroutines;
 #[cfg(test)]
 mod tests;
+mod thermostat;
 mod units;
 
 use crate::{Deck, DeckError};

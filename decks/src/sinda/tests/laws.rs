@@ -154,7 +154,33 @@ fn numbered_headers_and_english_units_are_read() {
     refused("C TDUNITS, Energy = BTU\n", "", None, "state the units in comments");
     refused("Energy = BTU", "Energy = erg", Some(1), "expected one of J");
     refused("TMPZRO=459.67", "TMPZRO=273.15", None, "does not go with TDUNITS");
-    refused("M       Q1 = 3.0", "       TRMSTD(T1, 0., 10., K4, 0, K3, Q1)", Some(23), "`Q12 = Q12 + 0.5`");
+    refused("M       Q1 = 3.0", "       DTIMEH = Q1", Some(23), "`Q12 = Q12 + 0.5`");
+    let heaters = |lines: &str| {
+        let text = NUMBERED.replacen("M       Q1 = 3.0", lines, 1);
+        read(&[SindaFile { name: "plates.sin", text: &text }])
+    };
+    let lines =
+        "M     XK3 = 2.0\n      TRMSTD(T2, 32.00, 50.00,  K 4, 0, K3, Q1 )\n      TRMSTD(T1, 14., 32., K5, 0, 1.5, Q1)";
+    let deck = heaters(lines).unwrap_or_else(|errors| panic!("{errors:?}"));
+    let [first, second] = deck.heaters.as_slice() else { panic!("{:?}", deck.heaters) };
+    assert_eq!((first.into, first.senses, second.into, second.senses), (0, 1, 0, 0));
+    for (value, expected) in [
+        (first.on_below_k, 273.15),
+        (first.off_above_k, 283.15),
+        (number(&deck, &first.power), 2.0 * watt),
+        (second.on_below_k, 263.15),
+        (number(&deck, &second.power), 1.5 * watt),
+    ] {
+        close(value, expected);
+    }
+    for lines in [
+        "TRMSTD(T1, 0., 10., K4, 0, K3, Q1)",
+        "TRMSTD(T1, 10., 0., K4, 0, 1., Q1)",
+        "TRMSTD(T1, 0., 10., K4, 1, 1., Q1)",
+    ] {
+        let first = &heaters(&format!("      {lines}")).expect_err(lines)[0];
+        assert!(first.line == Some(23) && first.message.contains("`heaters` of the imported"), "{first}");
+    }
     refused("Q2 = Q2 + 1.5", "Q1 = 1.5", Some(24), "replaces heat");
     refused("-   20, 2, 9", "-   2 0, 7, 9", Some(17), "7 is not defined");
 }
