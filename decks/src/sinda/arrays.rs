@@ -12,7 +12,7 @@ pub(super) struct Arrays {
 }
 
 impl Arrays {
-    /// Reads all blocks of arrays. What is wrong with an array is told where something refers to it.
+    /// Reads all blocks of arrays. What is wrong with an array is reported where something refers to it.
     pub(super) fn read(blocks: &[Block<'_>], control: &Control) -> Self {
         let mut arrays = Self::default();
         for block in blocks.iter().filter(|block| block.kind == Kind::Arrays) {

@@ -14,7 +14,7 @@ use crate::{DeckError, Note, Parameter};
 const THERMAL_DESKTOP_SIGMA: f64 = 5.6704e-8;
 /// Absolute zero in degF; decks round it to -460.
 const FAHRENHEIT_ZERO: f64 = -459.67;
-/// What to write where the units are not told.
+/// What to write where the units are not stated.
 const STATE_UNITS: &str = "state the units in comments at the top, such as `C TDUNITS, Energy = BTU`, `C TDUNITS, Time = hr` \
                            and `C TDUNITS, Temp = F`; in SI units J, s and C or K";
 

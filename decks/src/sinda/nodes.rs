@@ -7,6 +7,8 @@ use super::law::{At, Form, law};
 use crate::arithmetic::quantity::Quantity;
 use crate::{Node, NodeKind};
 
+/// So far below absolute zero lies what decks write for it, such as -460 degF, in K.
+const ROUNDED_ZERO_K: f64 = -0.3;
 /// Most nodes of a GEN.
 const MOST_GENERATED: i64 = 100_000;
 
@@ -91,6 +93,9 @@ fn one(
     let temperature = assembly.control.quantity(temperature).map_err(|message| format!("temperature: {message}"))?;
     let kelvin = assembly.control.scaled(temperature, units.kelvin_per_degree)?;
     let kelvin = kelvin.join('+', Quantity::number(units.zero_k, false))?;
+    let is_rounded = kelvin.is_number() && (ROUNDED_ZERO_K..0.0).contains(&kelvin.nominal);
+    assembly.rounded_zeros += usize::from(is_rounded);
+    let kelvin = if is_rounded { Quantity::number(0.0, false) } else { kelvin };
     if kelvin.nominal < 0.0 && assembly.control.are_units_known {
         return Err(format!("a temperature of {} K, below absolute zero", kelvin.nominal));
     }

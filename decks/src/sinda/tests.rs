@@ -217,7 +217,9 @@ fn heating_rates_are_the_means_of_the_orbit() {
     assert!(deck.parameters.iter().any(|parameter| parameter.name == "heating_C0A1" && parameter.nominal == 1.0));
     let inp = format!("{INP}{}", HEATING.replace("0.2 0.03", "0.3 0.03"));
     let errors = read(&files(&inp, CC, K)).expect_err("means that disagree");
-    assert_eq!(errors[0].to_string(), "runs/CASE.INP:22: its means add up to 0.35 W, array 1 says 0.25 W");
+    let expected =
+        "runs/CASE.INP:22: its means add up to 0.35 W, array 1 says 0.25 W; let Thermal Desktop write the file anew";
+    assert!(errors[0].to_string().starts_with(expected), "{}", errors[0]);
 }
 
 #[test]
