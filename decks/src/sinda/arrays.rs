@@ -76,7 +76,7 @@ impl Arrays {
 /// # Errors
 /// An odd number of values, less than a point, and abscissae that do not rise.
 pub(super) fn points(reference: &str, values: &[f64]) -> Result<(Vec<f64>, Vec<f64>), String> {
-    if values.is_empty() || values.len() % 2 != 0 {
+    if values.is_empty() || !values.len().is_multiple_of(2) {
         return Err(format!("array {reference} has {} values: expected pairs of temperature and value", values.len()));
     }
     let x: Vec<f64> = values.iter().step_by(2).copied().collect();

@@ -42,6 +42,9 @@ const BEHIND: [&str; 10] = [
 /// What heaters count beside: on-times, energies and cycles, which change nothing.
 const COUNTS: [&str; 5] = ["IF(HT#.EQ.1)THEN", "OT#=OT#+DTIMEU", "TP#=TP#+DTIMEU*PO#", "ENDIF", "SF#=F__TD"];
 
+/// A heated node with its share of the power.
+type Share = ((String, i64), f64);
+
 /// Statements of a block: lines without spaces, in capitals, continued ones joined, each with its first line.
 fn statements<'b, 'c>(cards: &'b [Card<'c>]) -> Vec<(&'b Card<'c>, String)> {
     let mut statements: Vec<(&Card<'_>, String)> = Vec::new();
@@ -160,7 +163,7 @@ impl Reading<'_, '_, '_, '_> {
     }
 
     /// The heated nodes with their shares: statements `SUB.Q1 = SUB.Q1 + PO343 * 1.`, one at least.
-    fn heated(&mut self, submodel: &str) -> Result<Vec<((String, i64), f64)>, String> {
+    fn heated(&mut self, submodel: &str) -> Result<Vec<Share>, String> {
         let mut heated = Vec::new();
         let power = format!("+PO{}*", self.handle);
         while let Some((_, statement)) = self.rest.first() {

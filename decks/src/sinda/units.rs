@@ -6,7 +6,7 @@ use crate::{CELSIUS_ZERO_K, DeckError};
 
 /// Energies in J. BTU is that of the International Table.
 const ENERGIES: [(&str, f64); 6] =
-    [("J", 1.0), ("KJ", 1e3), ("WHR", 3600.0), ("WH", 3600.0), ("BTU", 1055.055_852_62), ("CAL", 4.1868)];
+    [("J", 1.0), ("KJ", 1e3), ("WHR", 3600.0), ("WH", 3600.0), ("BTU", 1_055.055_852_62), ("CAL", 4.1868)];
 /// Times in s.
 const TIMES: [(&str, f64); 8] = [
     ("S", 1.0),

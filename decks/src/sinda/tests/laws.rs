@@ -127,8 +127,8 @@ fn numbered_headers_and_english_units_are_read() {
     // 68 degF are 20 degC; a BTU is 1055.05585262 J, a degree 5/9 K, a BTU/min 17.584264210333... W.
     close(deck.nodes[0].initial_temperature_k.unwrap(), 293.15);
     let NodeKind::Diffusion { capacity } = &deck.nodes[0].kind else { panic!("{:?}", deck.nodes[0]) };
-    close(number(&deck, capacity), 1055.055_852_62 * 9.0 / 5.0);
-    let watt = 1055.055_852_62 / 60.0;
+    close(number(&deck, capacity), 1_055.055_852_62 * 9.0 / 5.0);
+    let watt = 1_055.055_852_62 / 60.0;
     close(number(&deck, &deck.couplings[0].value), 0.6 * watt * 9.0 / 5.0);
     let NodeKind::Boundary { temperature } = &deck.nodes[2].kind else { panic!("{:?}", deck.nodes[2]) };
     assert!(number(&deck, temperature).abs() < 1e-9);
