@@ -41,6 +41,8 @@ pub(super) struct Assembly {
     pub(super) joined_to_themselves: usize,
     /// The place of the first conductor below 0, and how many there are.
     pub(super) negative: Option<(String, usize)>,
+    /// Conductors of 0.
+    pub(super) zeros: usize,
     /// Temperatures that are absolute zero, rounded to below it.
     pub(super) rounded_zeros: usize,
     /// Whether a value is given as a product of four.
@@ -103,6 +105,7 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
         heating: BTreeSet::new(),
         joined_to_themselves: 0,
         negative: None,
+        zeros: 0,
         rounded_zeros: 0,
         has_products: false,
         deck,
@@ -368,6 +371,9 @@ impl Assembly {
         let mut note = |message: String| self.deck.notes.push(Note::new(message));
         if self.joined_to_themselves > 0 {
             note(format!("{} conductors join a node to itself and are left out.", self.joined_to_themselves));
+        }
+        if self.zeros > 0 {
+            note(format!("{} conductors of 0 carry no heat and are left out.", self.zeros));
         }
         if self.rounded_zeros > 0 {
             note(format!("{} temperatures just below absolute zero are read as 0 K.", self.rounded_zeros));

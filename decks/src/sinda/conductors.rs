@@ -140,6 +140,11 @@ impl Build<'_, '_> {
             self.assembly.joined_to_themselves += 1;
             return Ok(());
         }
+        // A conductor that is switched off: what hangs on it alone has no balance.
+        if value.is_number() && value.nominal == 0.0 {
+            self.assembly.zeros += 1;
+            return Ok(());
+        }
         let name = self.assembly.coupling_name(node_name(self.submodel, number.unsigned_abs()));
         let coupling = Coupling { name, kind, between, value: crate::Value::Number(0.0) };
         self.assembly.conductors.push(Conductor { coupling, value, label });

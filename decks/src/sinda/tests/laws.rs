@@ -149,10 +149,13 @@ fn numbered_headers_and_english_units_are_read() {
     refused("2, 9, 1.0E-11", "2, 9, -1.0E-11", Some(17), "0 or more");
     // Finite elements have conductors below 0.
     let text = NUMBERED.replacen("1, 2, 0.6", "1, 2, -0.6", 1).replacen("       REM plates", "       REM", 1);
+    // A conductor of 0 is switched off.
+    let text = text.replacen("            -   20", "            11, 1, 2, 0.0\n            -   20", 1);
     // -460 degF is absolute zero, rounded.
     let text = text.replacen("-459.67, 1.", "-460., 1.", 1);
     let deck = read(&[SindaFile { name: "plates.sin", text: &text }]).expect("a deck");
     assert_eq!(deck.nodes[2].kind, NodeKind::Boundary { temperature: Value::Number(0.0) });
+    assert_eq!(deck.couplings.len(), 2);
     assert!(deck.notes.iter().any(|note| note.message.contains("below 0") && note.message.contains("plates.sin:16")));
     refused("C TDUNITS, Energy = BTU\n", "", None, "state the units in comments");
     refused("Energy = BTU", "Energy = erg", Some(1), "expected one of J");
