@@ -10,6 +10,7 @@ use super::control::Control;
 use super::heating::{self, Means};
 use super::loads::{self, Heat};
 use super::nodes::node_name;
+use super::seen::Seen;
 use super::units::Units;
 use super::{heaters, nodes, subroutines, thermostat};
 use crate::arithmetic::quantity::Quantity;
@@ -37,16 +38,8 @@ pub(super) struct Assembly {
     pub(super) heats: Vec<Heat>,
     /// Submodels whose heating rates are used.
     pub(super) heating: BTreeSet<String>,
-    /// Conductors with the same node at both ends.
-    pub(super) joined_to_themselves: usize,
-    /// The place of the first conductor below 0, and how many there are.
-    pub(super) negative: Option<(String, usize)>,
-    /// Conductors of 0.
-    pub(super) zeros: usize,
-    /// Temperatures that are absolute zero, rounded to below it.
-    pub(super) rounded_zeros: usize,
-    /// Whether a value is given as a product of four.
-    pub(super) has_products: bool,
+    /// What the deck's notes count.
+    pub(super) seen: Seen,
     /// Arrays that options refer to.
     pub(super) arrays: Arrays,
     /// Names of the tables of arrays.
@@ -103,11 +96,7 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
         conductors: Vec::new(),
         heats: Vec::new(),
         heating: BTreeSet::new(),
-        joined_to_themselves: 0,
-        negative: None,
-        zeros: 0,
-        rounded_zeros: 0,
-        has_products: false,
+        seen: Seen::default(),
         deck,
         identifiers,
         places: HashMap::new(),
@@ -368,32 +357,13 @@ impl Assembly {
         }
         let submodels = self.submodels.into_iter().map(|(name, nodes)| Group { name, nodes, couplings: Vec::new() });
         self.deck.groups.extend(submodels);
-        let mut note = |message: String| self.deck.notes.push(Note::new(message));
-        if self.joined_to_themselves > 0 {
-            note(format!("{} conductors join a node to itself and are left out.", self.joined_to_themselves));
-        }
-        if self.zeros > 0 {
-            note(format!("{} conductors of 0 carry no heat and are left out.", self.zeros));
-        }
-        if self.rounded_zeros > 0 {
-            note(format!("{} temperatures just below absolute zero are read as 0 K.", self.rounded_zeros));
-        }
-        if let Some((first, count)) = &self.negative {
-            note(format!(
-                "{count} conductors have values below 0, as those of finite elements may; the first stands at {first}."
-            ));
-        }
-        if self.has_products {
-            note(
-                "Four numbers X, Y, Z, W are the capacity X Y Z W of a node, and X Y Z / W of a conductor.".to_owned(),
-            );
-        }
+        self.deck.notes.extend(self.seen.notes());
         if of_contacts(&self.deck.parameters) {
-            note(
+            self.deck.notes.push(Note::new(
                 "Conductors below a comment `Contact - ...` are taken for the contact's as long as they join the same two \
                  submodels. A contact's value is the sum of its conductors."
                     .to_owned(),
-            );
+            ));
         }
         Assembled { units: self.control.units, has_means: !self.heating.is_empty(), deck: self.deck }
     }

@@ -119,7 +119,7 @@ impl Build<'_, '_> {
         let value = self.value(kind, between)?;
         if kind == CouplingKind::Linear && value.is_number() && value.nominal < 0.0 {
             let first = format!("{}:{}", self.card.file, self.card.line);
-            self.assembly.negative.get_or_insert((first, 0)).1 += 1;
+            self.assembly.seen.negative.get_or_insert((first, 0)).1 += 1;
         } else if !(value.nominal >= 0.0) {
             return Err(format!("a value of {}: expected 0 or more", value.nominal));
         }
@@ -137,12 +137,12 @@ impl Build<'_, '_> {
             label.map(|comment| self.assembly.label(comment, CONTACT))
         };
         if between[0] == between[1] {
-            self.assembly.joined_to_themselves += 1;
+            self.assembly.seen.joined_to_themselves += 1;
             return Ok(());
         }
         // A conductor that is switched off: what hangs on it alone has no balance.
         if value.is_number() && value.nominal == 0.0 {
-            self.assembly.zeros += 1;
+            self.assembly.seen.zeros += 1;
             return Ok(());
         }
         let name = self.assembly.coupling_name(node_name(self.submodel, number.unsigned_abs()));
@@ -158,7 +158,7 @@ impl Build<'_, '_> {
         match self.law {
             Law::Constant(value) => assembly.control.quantity(value).map_err(|message| format!("value: {message}")),
             Law::Ratio(fields) => {
-                assembly.has_products = true;
+                assembly.seen.has_products = true;
                 let mut value = assembly.control.quantity(fields[0])?;
                 for field in &fields[1..3] {
                     value = value.join('*', assembly.control.quantity(field)?)?;

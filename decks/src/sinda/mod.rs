@@ -18,6 +18,7 @@ mod law;
 mod loads;
 mod nodes;
 mod result;
+mod seen;
 mod subroutines;
 #[cfg(test)]
 mod tests;

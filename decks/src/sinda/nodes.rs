@@ -94,7 +94,7 @@ fn one(
     let kelvin = assembly.control.scaled(temperature, units.kelvin_per_degree)?;
     let kelvin = kelvin.join('+', Quantity::number(units.zero_k, false))?;
     let is_rounded = kelvin.is_number() && (ROUNDED_ZERO_K..0.0).contains(&kelvin.nominal);
-    assembly.rounded_zeros += usize::from(is_rounded);
+    assembly.seen.rounded_zeros += usize::from(is_rounded);
     let kelvin = if is_rounded { Quantity::number(0.0, false) } else { kelvin };
     if kelvin.nominal < 0.0 && assembly.control.are_units_known {
         return Err(format!("a temperature of {} K, below absolute zero", kelvin.nominal));
@@ -132,7 +132,7 @@ fn capacity(
     let mut whole: Option<Quantity> = None;
     match capacity {
         Capacity::Product(factors) => {
-            assembly.has_products |= factors.len() > 1;
+            assembly.seen.has_products |= factors.len() > 1;
             for factor in *factors {
                 let factor = assembly.control.quantity(factor).map_err(|message| format!("capacity: {message}"))?;
                 whole = Some(match whole {
