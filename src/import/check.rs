@@ -38,9 +38,8 @@ pub(super) fn fault(deck: &Deck) -> Option<String> {
     let of_heaters = deck.heaters.iter().find_map(|entry| {
         let what = || format!("the heater `{}`", entry.name);
         let lost = [entry.into, entry.senses].into_iter().find_map(|index| node(index, what()));
-        let temperatures = [entry.on_below_k, entry.off_above_k].into_iter();
-        lost.or_else(|| number(&entry.power, what()))
-            .or_else(|| temperatures.into_iter().find_map(|at| plain(at, what())))
+        let lost = lost.or_else(|| number(&entry.power, what()));
+        lost.or_else(|| [entry.on_below_k, entry.off_above_k].into_iter().find_map(|at| plain(at, what())))
     });
     let of_groups = deck.groups.iter().find_map(|entry| {
         let what = || format!("the group `{}`", entry.name);

@@ -158,7 +158,8 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
 fn tool(blocks: &[Block<'_>]) -> String {
     let comments = blocks.iter().flat_map(|block| &block.comments);
     let version = comments.filter_map(|comment| comment.text.split_once(" with Thermal Desktop ")).next();
-    version.map_or("SINDA/FLUINT".to_owned(), |(_, version)| format!("Thermal Desktop {}", version.trim()))
+    let plain = if blocks.iter().any(|block| block.is_numbered) { "SINDA/G" } else { "SINDA/FLUINT" };
+    version.map_or(plain.to_owned(), |(_, version)| format!("Thermal Desktop {}", version.trim()))
 }
 
 impl Assembly {
@@ -250,7 +251,7 @@ impl Assembly {
         for block in blocks.iter().filter(|block| block.kind == Kind::Arrays) {
             let means = match heating::means(block) {
                 None => {
-                    let is_used = self.tables.keys().any(|(submodel, _)| *submodel == block.submodel);
+                    let is_used = self.seen.arrays.contains(&block.submodel);
                     let is_empty = block.cards.iter().all(|card| card.text.eq_ignore_ascii_case("END"));
                     if !is_empty && !is_used {
                         let place = format!("{}:{}", block.file, block.line);

@@ -41,6 +41,8 @@ pub(super) fn law(
     {
         return Quantity::number(value, false).join('*', factor);
     }
+    let ((of, _), _) = assembly.arrays.find(submodel, reference)?;
+    assembly.seen.arrays.insert(of);
     let (text, nominal) = match form {
         Form::Interpolated => {
             let (name, nominal) = table(assembly, submodel, reference, at.initial_k)?;

@@ -1,10 +1,14 @@
 //! What a reader meets in lines and says of the deck as a whole.
 
+use std::collections::BTreeSet;
+
 use crate::Note;
 
 /// Counts of what is changed or left out.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
+    /// Submodels to whose arrays something refers.
+    pub(super) arrays: BTreeSet<String>,
     /// Conductors with the same node at both ends.
     pub(super) joined_to_themselves: usize,
     /// Conductors of 0.
