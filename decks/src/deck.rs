@@ -25,6 +25,8 @@ pub struct Deck {
     pub couplings: Vec<Coupling>,
     /// Heat into nodes.
     pub loads: Vec<Load>,
+    /// Heaters that a thermostat switches.
+    pub heaters: Vec<Heater>,
     /// Nodes or couplings that belong together: submodels, materials.
     pub groups: Vec<Group>,
     /// Inputs and temperatures over time that stand in the deck or in a result beside it.
@@ -151,6 +153,24 @@ pub struct Load {
     pub into: usize,
     /// Power in W.
     pub power: Value,
+}
+
+/// A heater that a thermostat switches. In a steady state its power falls linearly from all of it at `on_below_k` to none at
+/// `off_above_k`, the average of its cycling.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heater {
+    /// The deck's name, unique among heaters.
+    pub name: String,
+    /// Index into [`Deck::nodes`] of the node that is heated.
+    pub into: usize,
+    /// Index into [`Deck::nodes`] of the node whose temperature switches it.
+    pub senses: usize,
+    /// Power in W when it is on.
+    pub power: Value,
+    /// It switches on below this temperature, in K.
+    pub on_below_k: f64,
+    /// It switches off above this temperature, in K.
+    pub off_above_k: f64,
 }
 
 /// What belongs together.

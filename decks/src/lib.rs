@@ -12,7 +12,7 @@ pub mod sinda;
 pub mod xija;
 
 pub use deck::{
-    Coupling, CouplingKind, Deck, Group, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,
+    Coupling, CouplingKind, Deck, Group, Heater, Input, Load, Node, NodeKind, Note, Parameter, Record, Table, Value,
 };
 pub use error::DeckError;
 

@@ -35,6 +35,12 @@ pub(super) fn fault(deck: &Deck) -> Option<String> {
         let what = || format!("the load `{}`", entry.name);
         node(entry.into, what()).or_else(|| number(&entry.power, what()))
     });
+    let of_heaters = deck.heaters.iter().find_map(|entry| {
+        let what = || format!("the heater `{}`", entry.name);
+        let lost = [entry.into, entry.senses].into_iter().find_map(|index| node(index, what()));
+        let lost = lost.or_else(|| number(&entry.power, what()));
+        lost.or_else(|| [entry.on_below_k, entry.off_above_k].into_iter().find_map(|at| plain(at, what())))
+    });
     let of_groups = deck.groups.iter().find_map(|entry| {
         let what = || format!("the group `{}`", entry.name);
         let lost = entry.couplings.iter().find(|index| **index >= deck.couplings.len());
@@ -53,7 +59,14 @@ pub(super) fn fault(deck: &Deck) -> Option<String> {
     let sigma = deck.stefan_boltzmann.filter(|sigma| !(*sigma > 0.0 && sigma.is_finite()));
     let of_sigma = sigma.map(|sigma| format!("its Stefan-Boltzmann constant is {sigma}"));
     let of_numbers = of_numbers.or(of_symbols);
-    of_nodes.or(of_couplings).or(of_loads).or(of_groups).or(of_numbers).or(of_sigma).or_else(|| of_record(deck))
+    of_nodes
+        .or(of_couplings)
+        .or(of_loads)
+        .or(of_heaters)
+        .or(of_groups)
+        .or(of_numbers)
+        .or(of_sigma)
+        .or_else(|| of_record(deck))
 }
 
 fn of_record(deck: &Deck) -> Option<String> {

@@ -3,7 +3,7 @@
 //!
 //! Steady results, and arithmetic nodes at every instant, balance by themselves. A node that stores heat in a transient
 //! balances with `C dT/dt`, whose slope is known from the rows alone: half the difference between the slopes before and
-//! behind a row is allowed for there.
+//! behind a row is allowed for there, and what the rounding of the printed temperatures does to the slope.
 
 use serde::Serialize;
 
@@ -186,7 +186,7 @@ pub fn closure(study: &ImportedStudy, pass: &Pass) -> Result<Option<Closure>, Ne
                 Some(capacity) => {
                     let instants = |row: usize| Some((*result.times_s.get(row)?, temperature(entry.node, row)?));
                     let neighbours = [row.checked_sub(1).and_then(instants), instants(row), instants(row + 1)];
-                    let Some((slope, uncertainty)) = slope(neighbours) else { continue };
+                    let Some((slope, uncertainty)) = slope(neighbours, result.step_k) else { continue };
                     let mean =
                         before.as_ref().map_or(entry.heat_w, |before| 0.5 * (entry.heat_w + before[position].heat_w));
                     (mean - capacity * slope, capacity * uncertainty)
@@ -251,13 +251,17 @@ fn judged(model: &Model, positions: &[Option<usize>]) -> Vec<bool> {
 }
 
 /// The slope of a parabola through three points at the one in the middle, and half the difference of the slopes before and
-/// behind it; nothing where a point is missing.
-fn slope(points: [Option<(f64, f64)>; 3]) -> Option<(f64, f64)> {
+/// behind it, with what half a step of the printed temperatures at each of the points does to it; nothing where a point is
+/// missing.
+fn slope(points: [Option<(f64, f64)>; 3], step_k: f64) -> Option<(f64, f64)> {
     let [Some((t0, y0)), Some((t1, y1)), Some((t2, y2))] = points else { return None };
     let (before, after) = (t1 - t0, t2 - t1);
     let (rise_before, rise_after) = ((y1 - y0) / before, (y2 - y1) / after);
-    let slope = (rise_before * after + rise_after * before) / (before + after);
-    Some((slope, 0.5 * (rise_after - rise_before).abs()))
+    let whole = before + after;
+    let slope = (rise_before * after + rise_after * before) / whole;
+    let weights = [after / (before * whole), (before - after).abs() / (before * after), before / (after * whole)];
+    let rounding = 0.5 * step_k * (weights[0] + weights[1] + weights[2]);
+    Some((slope, 0.5 * (rise_after - rise_before).abs() + rounding))
 }
 
 /// What is probably left out at a node: what the reader noted of it, else what the sign says.
@@ -308,7 +312,7 @@ impl Closure {
         if !self.is_steady {
             text.push_str(
                 "  Nodes that store heat balance with C dT/dt, whose slope comes from neighbouring rows: half the \
-                 difference between the slopes before and behind a row is allowed for.\n",
+                 difference between the slopes before and behind a row is allowed for, and the rounding of the print.\n",
             );
         }
         if let Some((boundary, difference)) =

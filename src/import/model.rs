@@ -80,6 +80,22 @@ pub(super) fn model(deck: &Deck, files: &[String], tables: [&str; 2]) -> ModelFi
             (load_names.label(&load.name), Item::Object(vec![into, power]))
         })
         .collect();
+    let mut heater_names = Names::default();
+    let heaters: Vec<(String, Item)> = (deck.heaters.iter())
+        .map(|heater| {
+            let thermostat = vec![
+                ("on_below".to_owned(), Item::number(heater.on_below_k)),
+                ("off_above".to_owned(), Item::number(heater.off_above_k)),
+            ];
+            let entries = vec![
+                ("into".to_owned(), Item::text(written.node(heater.into))),
+                ("senses".to_owned(), Item::text(written.node(heater.senses))),
+                ("power".to_owned(), written.scalar(&heater.power, 1.0)),
+                ("thermostat".to_owned(), Item::Object(thermostat)),
+            ];
+            (heater_names.label(&heater.name), Item::Object(entries))
+        })
+        .collect();
     let mut source = format!("{}, imported from {}", deck.tool, files.join(", "));
     if area_factor != 1.0 {
         let sigma = deck.stefan_boltzmann.unwrap_or(STEFAN_BOLTZMANN);
@@ -115,6 +131,7 @@ pub(super) fn model(deck: &Deck, files: &[String], tables: [&str; 2]) -> ModelFi
         ("radiations", radiations),
         ("tabulated", tabulated),
         ("flows", couplings.flows.clone()),
+        ("heaters", heaters),
         ("loads", loads),
         ("groups", groups(deck, &written, &couplings)),
     ];
@@ -133,6 +150,8 @@ fn names(deck: &Deck, notes: &mut Vec<String>) -> Written {
         coupling.between.into_iter().for_each(|end| written.is_there[end] = true);
     }
     deck.loads.iter().for_each(|load| written.is_there[load.into] = true);
+    let of_heaters = deck.heaters.iter().flat_map(|heater| [heater.into, heater.senses]);
+    of_heaters.for_each(|node| written.is_there[node] = true);
     let mut names = Names::default();
     // `all` stands for every node in the start of a transient.
     names.label("all");
@@ -178,7 +197,8 @@ fn used<'d>(deck: &'d Deck, written: &Written) -> HashSet<&'d str> {
     });
     let values = of_nodes
         .chain(deck.couplings.iter().map(|coupling| &coupling.value))
-        .chain(deck.loads.iter().map(|load| &load.power));
+        .chain(deck.loads.iter().map(|load| &load.power))
+        .chain(deck.heaters.iter().map(|heater| &heater.power));
     let mut used = HashSet::new();
     for value in values {
         match value {

@@ -57,7 +57,7 @@ pub const READERS: &[Reader] = &[
         read: |files| one(files, |file| esatan::read_text(&file.name, &file.text())),
     },
     Reader {
-        tool: "SINDA/FLUINT's text (.inp, .cc, .k, .hra, .hrl, with a printed .out)",
+        tool: "SINDA/FLUINT's and SINDA/G's text (.inp, .cc, .k, .hra, .hrl, .sin, with a printed .out)",
         recognises: |files| sinda_files(files, sinda::recognises),
         read: |files| sinda_files(files, sinda::read),
     },

@@ -44,6 +44,8 @@ pub struct Counts {
     pub couplings_left_out: usize,
     /// Heat loads.
     pub loads: usize,
+    /// Heaters with a thermostat.
+    pub heaters: usize,
     /// Inputs.
     pub inputs: usize,
     /// Parameters.
@@ -68,6 +70,7 @@ pub(super) fn counts(
 ) -> Counts {
     let mut counts = Counts {
         loads: deck.loads.len(),
+        heaters: deck.heaters.len(),
         inputs: deck.inputs.len(),
         parameters,
         parameters_unused,
@@ -119,6 +122,7 @@ impl Summary {
                 (counts.radiations, "radiation"),
                 (counts.flows, "flow"),
                 (counts.loads, "load"),
+                (counts.heaters, "heater"),
             ])
         ));
         text.push_str(&format!(

@@ -54,7 +54,7 @@ fn what_the_held_out_rows_refuse_keeps_half_of_its_probability() {
     let output = Diagnosis::new(problem, Settings::default(), StreamKey::new(7, "lamp", "diagnosis")).run().unwrap();
     let heat = output.effects.iter().find(|effect| effect.id == "heat-load:cell").expect("it was fitted");
     let [before, after] = heat.rmse_k.held_out.map(|error| error.expect("held-out rows"));
-    assert!(heat.log_bayes_factor > 20.0 && after > 2.0 * before, "{heat:?}");
+    assert!(heat.log_bayes_factor > 20.0 && after > 1.1 * before, "{heat:?}");
     assert!(!output.selected.contains(&heat.id) && heat.model_error == 0.5, "{:?}", output.words);
     let above: Vec<&String> = output.effects.iter().filter(|one| one.probability > 0.5).map(|one| &one.id).collect();
     assert_eq!(above, Vec::<&String>::new(), "{:?}", output.words);

@@ -29,9 +29,19 @@ impl Quantity {
         Self { nominal, is_integer: false, form: Value::Scaled { parameter: parameter.to_owned(), factor: 1.0 } }
     }
 
+    /// An expression in the words of a deck, with its value at the start.
+    pub(crate) fn expression(text: String, nominal: f64) -> Self {
+        Self { nominal, is_integer: false, form: Value::Expression(text) }
+    }
+
     /// Whether it depends on no constant.
     pub(crate) fn is_number(&self) -> bool {
         matches!(self.form, Value::Number(_))
+    }
+
+    /// Whether it is more than a number or a constant times one.
+    pub(crate) fn is_expression(&self) -> bool {
+        matches!(self.form, Value::Expression(_))
     }
 
     /// Its value for a deck.

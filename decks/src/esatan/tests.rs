@@ -70,6 +70,17 @@ fn a_text_reads_with_its_submodel() {
 }
 
 #[test]
+fn what_esatan_tms_writes_into_every_model_is_passed_over() {
+    let plain = read_model(MODEL).expect("a model");
+    let text = MODEL.replacen("$MODEL CAMERA", "$MODEL CAMERA, ACDFILE", 1);
+    let text = text.replacen("$VARIABLES1", "$INITIAL\n      GENMOR\n$VARIABLES1", 1);
+    let deck = read_model(&text).expect("a model");
+    assert_eq!((deck.title.as_str(), deck.nodes), ("CAMERA", plain.nodes));
+    let errors = read_model(&text.replacen("GENMOR", "GENMOR\n QI5 = 7.0", 1)).expect_err("code");
+    assert!(errors[0].line == Some(29) && errors[0].message.contains("$INITIAL"), "{}", errors[0]);
+}
+
+#[test]
 fn malformed_texts_are_refused_at_their_line() {
     let refused = |from: &str, to: &str, line: usize, words: &str| {
         assert!(MODEL.contains(from), "{from}");

@@ -2,16 +2,23 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
+use super::arrays::Arrays;
 use super::block::{Block, Kind};
 use super::card::Card;
 use super::conductors::{self, Conductor, Contact};
 use super::control::Control;
 use super::heating::{self, Means};
 use super::loads::{self, Heat};
-use super::{nodes, subroutines};
+use super::nodes::node_name;
+use super::seen::Seen;
+use super::units::Units;
+use super::{heaters, nodes, subroutines, thermostat};
 use crate::arithmetic::quantity::Quantity;
 use crate::identifier::{Identifiers, unique};
-use crate::{CouplingKind, Deck, DeckError, Group, Input, Load, Node, Note, Parameter, Record, Value};
+use crate::{CELSIUS_ZERO_K, CouplingKind, Deck, DeckError, Group, Input, Load, Node, Note, Parameter, Record, Value};
+
+/// How a message on a missing node ends.
+const NOT_DEFINED: &str = "is not defined";
 
 /// What several conductors or heats have in common.
 pub(super) struct Label {
@@ -31,10 +38,19 @@ pub(super) struct Assembly {
     pub(super) heats: Vec<Heat>,
     /// Submodels whose heating rates are used.
     pub(super) heating: BTreeSet<String>,
-    /// Conductors with the same node at both ends.
-    pub(super) joined_to_themselves: usize,
-    deck: Deck,
-    identifiers: Identifiers,
+    /// What the deck's notes count.
+    pub(super) seen: Seen,
+    /// Arrays that options refer to.
+    pub(super) arrays: Arrays,
+    /// Names of the tables of arrays.
+    pub(super) tables: HashMap<(String, i64), String>,
+    /// Handles of the heaters that were read, and their names.
+    pub(super) heater_handles: BTreeSet<String>,
+    pub(super) heater_names: HashSet<String>,
+    /// The deck so far.
+    pub(super) deck: Deck,
+    /// Names that are used.
+    pub(super) identifiers: Identifiers,
     /// Index of each node by submodel and number.
     places: HashMap<(String, u64), usize>,
     /// Submodels with their nodes.
@@ -49,14 +65,16 @@ pub(super) struct Assembly {
 pub(super) struct Assembled {
     /// The deck.
     pub(super) deck: Deck,
-    /// What is added to its temperatures, in K.
-    pub(super) zero_k: f64,
+    /// Its units.
+    pub(super) units: Units,
+    /// Whether it has heating rates that are those of an orbit's mean.
+    pub(super) has_means: bool,
 }
 
 impl Assembled {
     /// Adds the temperatures of a result, at the deck's own values of the inputs.
     pub(super) fn add_record(&mut self, record: Record) {
-        let inputs = self.deck.inputs.iter().map(|input| vec![input.nominal]).collect();
+        let inputs = self.deck.inputs.iter().map(|input| vec![input.nominal; record.times_s.len()]).collect();
         self.deck.record = Some(Record { inputs, ..record });
     }
 }
@@ -68,12 +86,17 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
     let control = Control::read(blocks, &mut identifiers, &mut deck.parameters, &mut deck.notes, errors);
     deck.title.clone_from(&control.title);
     deck.stefan_boltzmann = Some(control.stefan_boltzmann);
+    let arrays = Arrays::read(blocks, &control);
     let mut assembly = Assembly {
         control,
+        arrays,
+        tables: HashMap::new(),
+        heater_handles: BTreeSet::new(),
+        heater_names: HashSet::new(),
         conductors: Vec::new(),
         heats: Vec::new(),
         heating: BTreeSet::new(),
-        joined_to_themselves: 0,
+        seen: Seen::default(),
         deck,
         identifiers,
         places: HashMap::new(),
@@ -87,22 +110,46 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
         let file = blocks.first().map_or("", |block| block.file);
         errors.push(DeckError::of(file, "the deck has no nodes: expected a block HEADER NODE DATA"));
     }
+    // A node that is missing because its own line is refused would only hide that line.
+    let before = errors.len();
     let mut contact = Contact::default();
     assembly.read(blocks, Kind::Conductors, errors, |assembly, block, card| {
         conductors::add(assembly, &mut contact, &block.submodel, card)
     });
-    assembly
-        .read(blocks, Kind::Variables0, errors, |assembly, block, card| loads::add(assembly, &block.submodel, card));
     assembly.read(blocks, Kind::Sources, errors, |assembly, block, card| {
         loads::add_source(assembly, &block.submodel, card)
     });
-    for kind in [Kind::Variables, Kind::Refused] {
-        assembly.read(blocks, kind, errors, |_, block, card| {
-            let what = if block.kind == Kind::Variables { "statements within the solution" } else { "this block" };
-            Err(format!("`{}`: {what} are not read; write constant values in their place", card.text))
+    for block in blocks.iter().filter(|block| block.kind == Kind::Heats) {
+        let mut constants = thermostat::Constants::new();
+        for card in heaters::add(&mut assembly, block, errors) {
+            let done = block.is_numbered.then(|| thermostat::add(&mut assembly, &mut constants, card)).flatten();
+            if let Err(message) = done.unwrap_or_else(|| loads::add(&mut assembly, &block.submodel, card)) {
+                errors.push(DeckError::at(card.file, card.line, message));
+                // Below the first line that is not understood stands more of the same.
+                break;
+            }
+        }
+    }
+    if before > 0 {
+        let mut place = 0;
+        errors.retain(|error| {
+            place += 1;
+            place <= before || !error.message.ends_with(NOT_DEFINED)
         });
     }
-    blocks.iter().filter(|block| block.kind == Kind::Subroutines).for_each(|block| subroutines::check(block, errors));
+    for block in blocks {
+        let Some(card) = block.cards.first() else { continue };
+        let what = match block.kind {
+            Kind::Logic if heaters::is_counting(&assembly, block) => continue,
+            Kind::Logic => "statements behind each step are not read; write constant values in their place",
+            Kind::Refused => "this block is not read; leave it out, with what it does written as heats and boundaries",
+            _ => continue,
+        };
+        errors.push(DeckError::at(card.file, card.line, format!("`{}`: {what}", card.text)));
+    }
+    blocks.iter().filter(|block| block.kind == Kind::Subroutines).for_each(|block| {
+        subroutines::check(block, &assembly.heater_handles, errors);
+    });
     assembly.add_heating(blocks, errors);
     assembly.finish()
 }
@@ -111,7 +158,8 @@ pub(super) fn assemble(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Ass
 fn tool(blocks: &[Block<'_>]) -> String {
     let comments = blocks.iter().flat_map(|block| &block.comments);
     let version = comments.filter_map(|comment| comment.text.split_once(" with Thermal Desktop ")).next();
-    version.map_or("SINDA/FLUINT".to_owned(), |(_, version)| format!("Thermal Desktop {}", version.trim()))
+    let plain = if blocks.iter().any(|block| block.is_numbered) { "SINDA/G" } else { "SINDA/FLUINT" };
+    version.map_or(plain.to_owned(), |(_, version)| format!("Thermal Desktop {}", version.trim()))
 }
 
 impl Assembly {
@@ -124,8 +172,7 @@ impl Assembly {
         mut add: impl FnMut(&mut Self, &Block<'_>, &Card<'_>) -> Result<(), String>,
     ) {
         for block in blocks.iter().filter(|block| block.kind == kind) {
-            let is_of_submodel = !matches!(kind, Kind::Variables | Kind::Refused);
-            if is_of_submodel && block.submodel.is_empty() && !block.cards.is_empty() {
+            if !block.is_numbered && block.submodel.is_empty() && !block.cards.is_empty() {
                 errors.push(DeckError::at(block.file, block.line, "expected the submodel's name behind a comma"));
                 continue;
             }
@@ -151,7 +198,18 @@ impl Assembly {
     /// Index of a node.
     pub(super) fn find_node(&self, (submodel, number): &(String, i64)) -> Result<usize, String> {
         let key = (submodel.clone(), number.unsigned_abs());
-        self.places.get(&key).copied().ok_or_else(|| format!("node {submodel}.{number} is not defined"))
+        self.places.get(&key).copied().ok_or_else(|| format!("node {} {NOT_DEFINED}", node_name(submodel, number)))
+    }
+
+    /// Whether a node has heat already.
+    pub(super) fn is_heated(&self, node: &(String, i64)) -> Result<bool, String> {
+        let place = self.find_node(node)?;
+        Ok(self.heats.iter().any(|heat| heat.into == place))
+    }
+
+    /// Temperature of a node at the start, in K.
+    pub(super) fn initial_k(&self, place: usize) -> f64 {
+        self.deck.nodes.get(place).and_then(|node| node.initial_temperature_k).unwrap_or(CELSIUS_ZERO_K)
     }
 
     /// A unique name of a coupling.
@@ -170,6 +228,9 @@ impl Assembly {
 
     /// The scale of a set of radiation conductors.
     pub(super) fn label_of_set(&mut self, submodel: &str) -> String {
+        if submodel.is_empty() {
+            return self.labelled("Scale of the radiation conductors", "radiation");
+        }
         let description = format!("Scale of the radiation conductors of {submodel}");
         self.labelled(&description, &format!("radiation_{submodel}"))
     }
@@ -190,7 +251,9 @@ impl Assembly {
         for block in blocks.iter().filter(|block| block.kind == Kind::Arrays) {
             let means = match heating::means(block) {
                 None => {
-                    if !block.cards.is_empty() {
+                    let is_used = self.seen.arrays.contains(&block.submodel);
+                    let is_empty = block.cards.iter().all(|card| card.text.eq_ignore_ascii_case("END"));
+                    if !is_empty && !is_used {
                         let place = format!("{}:{}", block.file, block.line);
                         let message = "Arrays are not read: nothing that is read refers to them.".to_owned();
                         self.deck.notes.push(Note::at(place, message));
@@ -249,7 +312,11 @@ impl Assembly {
                     let factor = if is_set || total == 0.0 { value.nominal } else { value.nominal / total };
                     Value::Scaled { parameter: parameter.clone(), factor }
                 }
-                _ => value.into_value(),
+                Some(parameter) => match value.clone().join('*', Quantity::constant(parameter, 1.0)) {
+                    Ok(scaled) if coupling.kind == CouplingKind::Radiative => scaled.into_value(),
+                    Ok(_) | Err(_) => value.into_value(),
+                },
+                None => value.into_value(),
             };
             if let Some(parameter) = label {
                 of_label.entry(parameter).or_insert((coupling.kind, Vec::new())).1.push(place);
@@ -291,18 +358,15 @@ impl Assembly {
         }
         let submodels = self.submodels.into_iter().map(|(name, nodes)| Group { name, nodes, couplings: Vec::new() });
         self.deck.groups.extend(submodels);
-        let mut note = |message: String| self.deck.notes.push(Note::new(message));
-        if self.joined_to_themselves > 0 {
-            note(format!("{} conductors join a node to itself and are left out.", self.joined_to_themselves));
-        }
+        self.deck.notes.extend(self.seen.notes());
         if of_contacts(&self.deck.parameters) {
-            note(
+            self.deck.notes.push(Note::new(
                 "Conductors below a comment `Contact - ...` are taken for the contact's as long as they join the same two \
                  submodels. A contact's value is the sum of its conductors."
                     .to_owned(),
-            );
+            ));
         }
-        Assembled { zero_k: self.control.zero_k, deck: self.deck }
+        Assembled { units: self.control.units, has_means: !self.heating.is_empty(), deck: self.deck }
     }
 }
 

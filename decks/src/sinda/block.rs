@@ -1,6 +1,6 @@
 //! Blocks of a deck, with the files that it inserts.
 
-use super::card::{Card, Comment, Line, header, line};
+use super::card::{Card, Comment, Header, Line, header, is_end, line};
 use super::{SindaFile, base};
 use crate::DeckError;
 
@@ -26,10 +26,10 @@ pub(super) enum Kind {
     Arrays,
     /// HEADER CARRAY DATA: lists of names.
     NameArrays,
-    /// HEADER VARIABLES 0: statements at each instant.
-    Variables0,
-    /// HEADER VARIABLES 1 and 2: statements within the solution.
-    Variables,
+    /// HEADER VARIABLES 0 and 1: statements at each instant and within the solution, of which heat at nodes is read.
+    Heats,
+    /// HEADER VARIABLES 2: statements behind each step.
+    Logic,
     /// HEADER SUBROUTINE.
     Subroutines,
     /// Solver, output and operation: no part of the network.
@@ -42,18 +42,19 @@ impl Kind {
     fn of(words: &[String]) -> Option<Self> {
         let word = |at: usize| words.get(at).map_or("", String::as_str);
         Some(match word(0) {
-            "OPTIONS" => Self::Options,
-            "CONTROL" => Self::Control,
+            "OPTIONS" | "THERMAL" => Self::Options,
+            "CONTROL" | "CONSTANTS" => Self::Control,
             "REGISTER" => Self::Registers,
             "NODE" => Self::Nodes,
             "CONDUCTOR" => Self::Conductors,
             "SOURCE" => Self::Sources,
             "ARRAY" => Self::Arrays,
             "CARRAY" => Self::NameArrays,
-            "VARIABLES" if word(1) == "0" => Self::Variables0,
-            "VARIABLES" => Self::Variables,
+            "VARIABLES" if word(1) == "2" => Self::Logic,
+            "VARIABLES" => Self::Heats,
             "SUBROUTINE" | "SUBROUTINES" => Self::Subroutines,
-            "OPERATION" | "OPERATIONS" | "SOLVER" | "OUTPUT" | "PROCEDURE" | "RELIABILITY" => Self::Unused,
+            "OPERATION" | "OPERATIONS" | "SOLVER" | "OUTPUT" | "PROCEDURE" | "RELIABILITY" | "EXECUTION" | "MODULE"
+            | "END" => Self::Unused,
             "FLOW" | "FLOGIC" | "FPROP" | "MIXTURE" | "USER" => Self::Refused,
             _ => return None,
         })
@@ -80,6 +81,8 @@ pub(super) struct Block<'a> {
     pub(super) kind: Kind,
     /// The submodel, in capitals; empty where none is named.
     pub(super) submodel: String,
+    /// Whether its header is a numbered one, as in SINDA/G: submodels have no names there, and END ends a block.
+    pub(super) is_numbered: bool,
     /// The file's name.
     pub(super) file: &'a str,
     /// The line of its header.
@@ -96,7 +99,8 @@ pub(super) fn blocks<'a>(files: &[SindaFile<'a>], errors: &mut Vec<DeckError>) -
         file.base() != other && file.text.lines().filter_map(insert).any(|name| is_same(&name, other))
     };
     let is_inserted = |file: &SindaFile<'_>| files.iter().any(|other| inserts(other, &file.base()));
-    let mut reading = Reading { files, blocks: Vec::new(), errors, opened: Vec::new(), read: Vec::new() };
+    let mut reading =
+        Reading { files, blocks: Vec::new(), leading: Vec::new(), errors, opened: Vec::new(), read: Vec::new() };
     for file in files.iter().filter(|file| !is_inserted(file)) {
         reading.open(*file);
     }
@@ -108,7 +112,7 @@ pub(super) fn blocks<'a>(files: &[SindaFile<'a>], errors: &mut Vec<DeckError>) -
 
 /// The name of an inserted file.
 fn insert(text: &str) -> Option<String> {
-    let Line::Card(code) = line(text) else { return None };
+    let Line::Card(code) = line(text, false) else { return None };
     let (word, name) = code.split_once(char::is_whitespace)?;
     word.eq_ignore_ascii_case("INSERT").then(|| base(name.trim().trim_matches(['\'', '"'])))
 }
@@ -121,6 +125,8 @@ fn is_same(inserted: &str, file: &str) -> bool {
 struct Reading<'a, 'r> {
     files: &'r [SindaFile<'a>],
     blocks: Vec<Block<'a>>,
+    /// Comments before the first block.
+    leading: Vec<Comment<'a>>,
     errors: &'r mut Vec<DeckError>,
     /// Files that insert the one that is read.
     opened: Vec<String>,
@@ -134,10 +140,12 @@ impl<'a> Reading<'a, '_> {
         self.opened.push(name.clone());
         self.read.push(name);
         let mut comment = None;
+        let mut is_numbered = false;
         for (number, text) in (1..).zip(file.text.lines()) {
-            if let Some(words) = header(text) {
+            if let Some(header) = header(text) {
                 comment = None;
-                self.begin(file, number, &words);
+                is_numbered = header.is_numbered;
+                self.begin(file, number, &header);
                 continue;
             }
             if let Some(name) = insert(text) {
@@ -145,17 +153,22 @@ impl<'a> Reading<'a, '_> {
                 self.insert(file, number, &name);
                 continue;
             }
-            match line(text) {
+            match line(text, is_numbered) {
                 Line::Blank => {}
                 Line::Comment(text) => {
                     let one = Comment { line: number, text };
                     comment = Some(one);
-                    if let Some(block) = self.blocks.last_mut() {
-                        block.comments.push(one);
+                    match self.blocks.last_mut() {
+                        Some(block) => block.comments.push(one),
+                        None => self.leading.push(one),
                     }
                 }
+                Line::Card(code) if is_end(code) => break,
                 Line::Card(code) if code.eq_ignore_ascii_case("PSTOP") || code.eq_ignore_ascii_case("PSTART") => {}
                 Line::Card(text) => {
+                    if is_numbered && text.eq_ignore_ascii_case("END") && !self.is_of_arrays() {
+                        continue;
+                    }
                     let card = Card { file: file.name, line: number, text, comment };
                     match self.blocks.last_mut() {
                         Some(block) => block.cards.push(card),
@@ -174,19 +187,27 @@ impl<'a> Reading<'a, '_> {
         self.opened.pop();
     }
 
-    fn begin(&mut self, file: SindaFile<'a>, number: usize, words: &[String]) {
+    /// Whether the block that is read is one of arrays, whose own END is theirs too.
+    fn is_of_arrays(&self) -> bool {
+        self.blocks.last().is_some_and(|block| block.kind == Kind::Arrays)
+    }
+
+    fn begin(&mut self, file: SindaFile<'a>, number: usize, header: &Header) {
+        let words = header.words.as_slice();
         let Some(kind) = Kind::of(words) else {
             let message = format!("`HEADER {}` is not known: expected NODE DATA, CONDUCTOR DATA, ...", words.join(" "));
             return self.errors.push(DeckError::at(file.name, number, message));
         };
         let submodel = words.get(kind.words_before_submodel()).cloned().unwrap_or_default();
+        let submodel = if header.is_numbered { String::new() } else { submodel };
         self.blocks.push(Block {
             kind,
             submodel,
+            is_numbered: header.is_numbered,
             file: file.name,
             line: number,
             cards: Vec::new(),
-            comments: Vec::new(),
+            comments: std::mem::take(&mut self.leading),
         });
     }
 

@@ -1,10 +1,12 @@
-//! CONDUCTOR DATA: `number, node, node, value`; a negative number is a radiation conductor.
+//! CONDUCTOR DATA: `number, node, node, value`; a negative number is a radiation conductor. Options make several (GEN, SIM,
+//! SPM), values that depend on temperature (SIV and SPV at the mean of both ends, DIV and DPV at each end), and products (CAL).
 
 use std::collections::HashMap;
 
 use super::assembly::{Assembly, Label};
 use super::card::Card;
-use super::nodes::{fields, integer};
+use super::law::{At, Form, in_series, law};
+use super::nodes::{fields, integer, node_name};
 use crate::arithmetic::quantity::Quantity;
 use crate::{Coupling, CouplingKind};
 
@@ -30,6 +32,18 @@ pub(super) struct Conductor {
     pub(super) label: Option<String>,
 }
 
+/// What a line says of a value.
+enum Law<'a> {
+    /// A number.
+    Constant(&'a str),
+    /// `X Y Z / W`.
+    Ratio(&'a [&'a str]),
+    /// An array and a factor at the mean temperature.
+    AtMean(Form, &'a [&'a str]),
+    /// An array and a factor at each end, in series.
+    AtEnds(Form, &'a [&'a str]),
+}
+
 /// Adds the conductors of a line.
 pub(super) fn add(
     assembly: &mut Assembly,
@@ -38,70 +52,135 @@ pub(super) fn add(
     card: &Card<'_>,
 ) -> Result<(), String> {
     let (option, fields) = fields(card.text);
-    match (option, fields.as_slice()) {
-        ("", [number, first, second, value]) => {
-            let ends = [node(first, submodel)?, node(second, submodel)?];
-            one(assembly, contact, submodel, card, integer(number)?, ends, value)
+    let option = option.to_ascii_uppercase();
+    // Positions of the first and the second node, and of the value.
+    let (is_several, start) = match (option.as_str(), fields.len()) {
+        ("", 4) | ("CAL", 7) | ("SIV" | "SPV", 5) | ("DIV" | "DPV", 7) => (false, 3),
+        ("GEN", 8 | 11) | ("SIM" | "SPM", 9) | ("DIM" | "DPM", 11) => (true, 7),
+        ("" | "CAL" | "GEN" | "SIV" | "SPV" | "SIM" | "SPM" | "DIV" | "DPV" | "DIM" | "DPM", length) => {
+            return Err(format!(
+                "{length} fields{}: expected `number, node, node, value` or `SIV number, node, node, array, factor`, each pair \
+                 of nodes in a line of its own",
+                if option.is_empty() { String::new() } else { format!(" of {option}") }
+            ));
         }
-        ("GEN", [number, count, step, first, first_step, second, second_step, value]) => {
-            let count = integer(count)?;
-            if !(1..=MOST_GENERATED).contains(&count) {
-                return Err(format!("GEN of {count} conductors: expected 1 to {MOST_GENERATED}"));
-            }
-            let number = (integer(number)?, integer(step)?);
-            let (first, second) = (node(first, submodel)?, node(second, submodel)?);
-            let (first_step, second_step) = (integer(first_step)?, integer(second_step)?);
-            let along = |start: i64, step: i64, place: i64| {
-                step.checked_mul(place).and_then(|offset| start.checked_add(offset)).ok_or("a number is too large")
-            };
-            for place in 0..count {
-                let ends = [
-                    (first.0.clone(), along(first.1, first_step, place)?),
-                    (second.0.clone(), along(second.1, second_step, place)?),
-                ];
-                one(assembly, contact, submodel, card, along(number.0, number.1, place)?, ends, value)?;
-            }
-            Ok(())
+        _ => {
+            return Err(format!(
+                "`{option}` is not read here: write `number, node, node, value` with a constant value"
+            ));
         }
-        ("" | "GEN", _) => Err(format!(
-            "{} fields: expected `number, node, node, value`, each pair of nodes in a line of its own",
-            fields.len()
-        )),
-        (option, _) => {
-            Err(format!("`{option}` is not read here: write `number, node, node, value` with a constant value"))
-        }
+    };
+    let rest = &fields[start..];
+    let law = match option.as_str() {
+        "SIV" | "SIM" => Law::AtMean(Form::Interpolated, rest),
+        "SPV" | "SPM" => Law::AtMean(Form::Polynomial, rest),
+        "DIV" | "DIM" => Law::AtEnds(Form::Interpolated, rest),
+        "DPV" | "DPM" => Law::AtEnds(Form::Polynomial, rest),
+        _ if rest.len() == 4 => Law::Ratio(rest),
+        _ => Law::Constant(rest[0]),
+    };
+    let mut build = Build { assembly, contact, submodel, card, law };
+    let number = integer(fields[0])?;
+    if !is_several {
+        return build.one(number, [node(fields[1], submodel)?, node(fields[2], submodel)?]);
     }
+    let (count, step) = (integer(fields[1])?, integer(fields[2])?);
+    if !(1..=MOST_GENERATED).contains(&count) {
+        return Err(format!("{count} conductors: expected 1 to {MOST_GENERATED}"));
+    }
+    let (first, second) = (node(fields[3], submodel)?, node(fields[5], submodel)?);
+    let (first_step, second_step) = (integer(fields[4])?, integer(fields[6])?);
+    let along = |start: i64, step: i64, place: i64| {
+        step.checked_mul(place).and_then(|offset| start.checked_add(offset)).ok_or("a number is too large")
+    };
+    for place in 0..count {
+        let ends = [
+            (first.0.clone(), along(first.1, first_step, place)?),
+            (second.0.clone(), along(second.1, second_step, place)?),
+        ];
+        build.one(along(number, step, place)?, ends)?;
+    }
+    Ok(())
 }
 
-fn one(
-    assembly: &mut Assembly,
-    contact: &mut Contact,
-    submodel: &str,
-    card: &Card<'_>,
-    number: i64,
-    ends: [(String, i64); 2],
-    value: &str,
-) -> Result<(), String> {
-    let value = assembly.control.quantity(value).map_err(|message| format!("value: {message}"))?;
-    if !(value.nominal >= 0.0) {
-        return Err(format!("a value of {}: expected 0 or more", value.nominal));
+/// A line whose conductors are built.
+struct Build<'a, 'c> {
+    assembly: &'a mut Assembly,
+    contact: &'a mut Contact,
+    submodel: &'a str,
+    card: &'a Card<'c>,
+    law: Law<'a>,
+}
+
+impl Build<'_, '_> {
+    fn one(&mut self, number: i64, ends: [(String, i64); 2]) -> Result<(), String> {
+        let between = [self.assembly.find_node(&ends[0])?, self.assembly.find_node(&ends[1])?];
+        let kind = if number < 0 { CouplingKind::Radiative } else { CouplingKind::Linear };
+        let value = self.value(kind, between)?;
+        if kind == CouplingKind::Linear && value.is_number() && value.nominal < 0.0 {
+            let first = format!("{}:{}", self.card.file, self.card.line);
+            self.assembly.seen.negative.get_or_insert((first, 0)).1 += 1;
+        } else if !(value.nominal >= 0.0) {
+            return Err(format!("a value of {}: expected 0 or more", value.nominal));
+        }
+        let units = self.assembly.control.units;
+        let factor = match kind {
+            CouplingKind::Radiative => self.assembly.control.square_metre,
+            CouplingKind::Linear | CouplingKind::OneWay => units.watt() / units.kelvin_per_degree,
+        };
+        let value = self.assembly.control.scaled(value, factor)?;
+        let submodels = ends.map(|(submodel, _)| submodel);
+        let label = if number < 0 {
+            Some(self.assembly.label_of_set(self.submodel))
+        } else {
+            let label = self.contact.label(self.card, submodels).filter(|_| !value.is_expression());
+            label.map(|comment| self.assembly.label(comment, CONTACT))
+        };
+        if between[0] == between[1] {
+            self.assembly.seen.joined_to_themselves += 1;
+            return Ok(());
+        }
+        // A conductor that is switched off: what hangs on it alone has no balance.
+        if value.is_number() && value.nominal == 0.0 {
+            self.assembly.seen.zeros += 1;
+            return Ok(());
+        }
+        let name = self.assembly.coupling_name(node_name(self.submodel, number.unsigned_abs()));
+        let coupling = Coupling { name, kind, between, value: crate::Value::Number(0.0) };
+        self.assembly.conductors.push(Conductor { coupling, value, label });
+        Ok(())
     }
-    let submodels = [ends[0].0.clone(), ends[1].0.clone()];
-    let between = [assembly.find_node(&ends[0])?, assembly.find_node(&ends[1])?];
-    let kind = if number < 0 { CouplingKind::Radiative } else { CouplingKind::Linear };
-    let label = if number < 0 {
-        Some(assembly.label_of_set(submodel))
-    } else {
-        contact.label(card, submodels).map(|comment| assembly.label(comment, CONTACT))
-    };
-    if between[0] == between[1] {
-        assembly.joined_to_themselves += 1;
-        return Ok(());
+
+    /// The value in the deck's units.
+    fn value(&mut self, kind: CouplingKind, between: [usize; 2]) -> Result<Quantity, String> {
+        let initial = between.map(|place| self.assembly.initial_k(place));
+        let (assembly, submodel) = (&mut *self.assembly, self.submodel);
+        match self.law {
+            Law::Constant(value) => assembly.control.quantity(value).map_err(|message| format!("value: {message}")),
+            Law::Ratio(fields) => {
+                assembly.seen.has_products = true;
+                let mut value = assembly.control.quantity(fields[0])?;
+                for field in &fields[1..3] {
+                    value = value.join('*', assembly.control.quantity(field)?)?;
+                }
+                value.join('/', assembly.control.quantity(fields[3])?)
+            }
+            Law::AtMean(form, fields) => {
+                let at = At { expression: "(Ta + Tb) / 2", initial_k: 0.5 * (initial[0] + initial[1]) };
+                law(assembly, submodel, form, fields[0], at, fields[1])
+            }
+            Law::AtEnds(_, _) if kind == CouplingKind::Radiative => {
+                Err("a radiation conductor with an array at each end is not read: write its value as a number"
+                    .to_owned())
+            }
+            Law::AtEnds(form, fields) => {
+                let first = At { expression: "Ta", initial_k: initial[0] };
+                let second = At { expression: "Tb", initial_k: initial[1] };
+                let first = law(assembly, submodel, form, fields[0], first, fields[1])?;
+                in_series(first, law(assembly, submodel, form, fields[2], second, fields[3])?)
+            }
+        }
     }
-    let name = assembly.coupling_name(format!("{submodel}.{}", number.unsigned_abs()));
-    let coupling = Coupling { name, kind, between, value: crate::Value::Number(0.0) };
-    assembly.conductors.push(Conductor { coupling, value, label });
-    Ok(())
 }
 
 impl Contact {

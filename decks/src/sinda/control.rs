@@ -4,22 +4,28 @@ use std::collections::HashMap;
 
 use super::block::{Block, Kind};
 use super::card::Card;
+use super::units::{self, Stated, Units};
 use crate::arithmetic::piece::pieces;
 use crate::arithmetic::quantity::{Quantity, Reader};
 use crate::identifier::Identifiers;
-use crate::{CELSIUS_ZERO_K, DeckError, Note, Parameter};
+use crate::{DeckError, Note, Parameter};
 
 /// Stefan-Boltzmann constant that Thermal Desktop writes in SI units, in W/(m2 K4).
 const THERMAL_DESKTOP_SIGMA: f64 = 5.6704e-8;
 /// Absolute zero in degF; decks round it to -460.
 const FAHRENHEIT_ZERO: f64 = -459.67;
-/// Units of Thermal Desktop, by their names in the heading, that are read.
-const SI: [(&str, &str); 4] = [("ENERGY", "J"), ("TIME", "s"), ("MASS", "kg"), ("LENGTH", "m")];
+/// What to write where the units are not stated.
+const STATE_UNITS: &str = "state the units in comments at the top, such as `C TDUNITS, Energy = BTU`, `C TDUNITS, Time = hr` \
+                           and `C TDUNITS, Temp = F`; in SI units J, s and C or K";
 
 /// What holds for a whole deck.
 pub(super) struct Control {
-    /// What is added to the deck's temperatures, in K.
-    pub(super) zero_k: f64,
+    /// The deck's units.
+    pub(super) units: Units,
+    /// Whether they are known, so that temperatures mean something.
+    pub(super) are_units_known: bool,
+    /// What exchange areas are multiplied by to be in m2.
+    pub(super) square_metre: f64,
     /// The deck's Stefan-Boltzmann constant in W/(m2 K4).
     pub(super) stefan_boltzmann: f64,
     /// The deck's title.
@@ -37,9 +43,16 @@ impl Control {
         notes: &mut Vec<Note>,
         errors: &mut Vec<DeckError>,
     ) -> Self {
-        let temperature = thermal_desktop_units(blocks, errors);
+        let stated = units::stated(blocks, errors);
         let mut constants: HashMap<String, f64> = HashMap::new();
-        let mut control = Self { zero_k: 0.0, stefan_boltzmann: 1.0, title: String::new(), registers: HashMap::new() };
+        let mut control = Self {
+            units: Units::SI,
+            are_units_known: true,
+            square_metre: 1.0,
+            stefan_boltzmann: 1.0,
+            title: String::new(),
+            registers: HashMap::new(),
+        };
         for block in blocks {
             for card in &block.cards {
                 let done = match block.kind {
@@ -53,50 +66,60 @@ impl Control {
                 }
             }
         }
-        let mut note = |message: String| notes.push(Note::new(message));
         let first = blocks.first().map_or("", |block| block.file);
-        control.zero_k = match (constants.get("ABSZRO"), temperature) {
-            (Some(&zero), _) if (zero - FAHRENHEIT_ZERO).abs() < 0.5 => {
-                errors.push(DeckError::of(first, "temperatures in degF: write the deck in SI units, K or degC"));
-                0.0
-            }
-            (Some(&zero), Some(expected)) if (zero + expected).abs() > 0.01 => {
-                let message = format!("ABSZRO = {zero} does not go with TDUNITS, whose 0 lies at {expected} K");
+        let is_numbered = blocks.iter().any(|block| block.is_numbered);
+        match units(&constants, stated, is_numbered) {
+            Ok(units) => control.units = units,
+            Err(message) => {
+                control.are_units_known = false;
                 errors.push(DeckError::of(first, message));
-                0.0
             }
-            (Some(&zero), _) => -zero,
-            (None, Some(zero)) => zero,
-            (None, None) => {
-                let message =
-                    "expected ABSZRO in CONTROL DATA: 0 for temperatures in K, -273.15 for degC; give the `.inp`";
-                errors.push(DeckError::of(first, message));
-                0.0
-            }
-        };
-        control.stefan_boltzmann = match constants.get("SIGMA") {
-            Some(&sigma) if sigma > 0.0 => sigma,
+        }
+        let sigma = match constants.get("SIGMA") {
+            Some(&sigma) if sigma > 0.0 => Some(sigma),
             Some(&sigma) => {
                 errors.push(DeckError::of(first, format!("SIGMA = {sigma}: expected a number above 0")));
-                1.0
+                None
             }
-            None if temperature.is_some() => {
-                note(format!(
+            None => None,
+        };
+        let units = control.units;
+        let (degree, watt) = (units.kelvin_per_degree, units.watt());
+        control.stefan_boltzmann = match sigma {
+            None if stated.temperature.is_some() && !is_numbered => {
+                notes.push(Note::new(format!(
                     "No SIGMA is given: {THERMAL_DESKTOP_SIGMA:e} W/(m2 K4) is assumed, as Thermal Desktop writes it."
-                ));
+                )));
+                control.square_metre = units.metre * units.metre;
                 THERMAL_DESKTOP_SIGMA
             }
             None => {
-                note("No SIGMA is given: 1 is assumed, the default, so radiation conductors contain it.".to_owned());
-                1.0
+                let message = "No SIGMA is given: 1 is assumed, the default, so radiation conductors contain it.";
+                notes.push(Note::new(message));
+                watt / (degree * degree * degree * degree)
+            }
+            Some(sigma) => {
+                // Where the constant is 1, exchange areas contain it and are none.
+                control.square_metre = if sigma == 1.0 { 1.0 } else { units.metre * units.metre };
+                sigma * watt / (degree * degree * degree * degree) / control.square_metre
             }
         };
+        if units != (Units { zero_k: units.zero_k, ..Units::SI }) {
+            notes.push(Note::new(format!(
+                "The deck's units are converted: energy {} J, time {} s, length {} m, a degree {} K.",
+                units.joule, units.second, units.metre, degree
+            )));
+        }
         control
     }
 
     fn add_title(&mut self, card: &Card<'_>) -> Result<(), String> {
         if let Some((word, title)) = card.text.split_once(char::is_whitespace)
             && word.eq_ignore_ascii_case("TITLE")
+        {
+            self.title = title.trim().to_owned();
+        } else if self.title.is_empty()
+            && let Some(title) = card.text.strip_prefix("BCD 9")
         {
             self.title = title.trim().to_owned();
         }
@@ -106,12 +129,12 @@ impl Control {
     fn add_constants(&self, card: &Card<'_>, constants: &mut HashMap<String, f64>) -> Result<(), String> {
         for (name, value) in definitions(card.text) {
             match name.as_str() {
-                "ABSZRO" | "SIGMA" => {
+                "ABSZRO" | "SIGMA" | "TMPZRO" => {
                     let value = self.quantity(value).map_err(|message| format!("{name}: {message}"))?;
                     constants.insert(name, value.nominal);
                 }
                 "UID" if !value.eq_ignore_ascii_case("SI") => {
-                    return Err(format!("UID = {value}: decks in SI units are read; write it out with UID = SI"));
+                    constants.insert(name, 1.0);
                 }
                 _ => {}
             }
@@ -144,6 +167,11 @@ impl Control {
         Ok(())
     }
 
+    /// A conductance, a capacity or a heat in SI units.
+    pub(super) fn scaled(&self, quantity: Quantity, factor: f64) -> Result<Quantity, String> {
+        if factor == 1.0 { Ok(quantity) } else { quantity.join('*', Quantity::number(factor, false)) }
+    }
+
     /// A number or an expression of registers.
     pub(super) fn quantity(&self, text: &str) -> Result<Quantity, String> {
         let pieces = pieces(text)?;
@@ -164,25 +192,40 @@ fn definitions(text: &str) -> Vec<(String, &str)> {
     parts.map(|(name, value)| (name.trim().to_ascii_uppercase(), value.trim())).collect()
 }
 
-/// The temperature of 0 in K by Thermal Desktop's heading, if it has one; other units must be SI.
-fn thermal_desktop_units(blocks: &[Block<'_>], errors: &mut Vec<DeckError>) -> Option<f64> {
-    let mut zero_k = None;
-    for (block, comment) in blocks.iter().flat_map(|block| block.comments.iter().map(move |comment| (block, comment))) {
-        let Some(unit) = comment.text.strip_prefix("TDUNITS,") else { continue };
-        let Some((name, unit)) = unit.split_once('=') else { continue };
-        let (name, unit) = (name.trim().to_ascii_uppercase(), unit.trim());
-        let mut fail = |message: String| errors.push(DeckError::at(block.file, comment.line, message));
-        if name == "TEMP" {
-            match unit {
-                "K" => zero_k = Some(0.0),
-                "C" => zero_k = Some(CELSIUS_ZERO_K),
-                _ => fail(format!("temperatures in {unit}: write the deck in K or C")),
-            }
-        } else if let Some((_, expected)) = SI.iter().find(|(other, _)| *other == name)
-            && unit != *expected
-        {
-            fail(format!("{} in {unit}: write the deck in SI units, {expected}", name.to_ascii_lowercase()));
-        }
+/// The units by the constants and by what comments state.
+fn units(constants: &HashMap<String, f64>, stated: Stated, is_numbered: bool) -> Result<Units, String> {
+    // SINDA/G calls it TMPZRO, with the other sign.
+    let absolute_zero = constants.get("ABSZRO").copied().or_else(|| constants.get("TMPZRO").map(|zero| -zero));
+    let is_fahrenheit = absolute_zero.is_some_and(|zero| (zero - FAHRENHEIT_ZERO).abs() < 0.5);
+    let are_stated = stated.joule.is_some() && stated.second.is_some() && stated.temperature.is_some();
+    let is_english = constants.contains_key("UID");
+    if (is_fahrenheit || is_numbered || is_english) && !are_stated {
+        let what = match (is_fahrenheit, is_english) {
+            (true, _) => "temperatures in degF",
+            (_, true) => "a UID other than SI",
+            _ => "a deck without units",
+        };
+        return Err(format!("{what}: {STATE_UNITS}"));
     }
-    zero_k
+    let (kelvin_per_degree, zero_k) = match (absolute_zero, stated.temperature) {
+        (Some(zero), Some((degree, expected))) if (zero * degree + expected).abs() > 0.3 => {
+            return Err(format!("an absolute zero of {zero} does not go with TDUNITS, whose 0 lies at {expected} K"));
+        }
+        // What the deck computes with, rounded as it is.
+        (Some(zero), Some((degree, _))) if zero != FAHRENHEIT_ZERO => (degree, -zero * degree),
+        (_, Some(stated)) => stated,
+        (Some(zero), None) => (1.0, -zero),
+        (None, None) => {
+            return Err(format!(
+                "expected ABSZRO in CONTROL DATA: 0 for temperatures in K, -273.15 for degC; give the `.inp`, or {STATE_UNITS}"
+            ));
+        }
+    };
+    Ok(Units {
+        joule: stated.joule.unwrap_or(1.0),
+        second: stated.second.unwrap_or(1.0),
+        metre: stated.metre.unwrap_or(1.0),
+        kelvin_per_degree,
+        zero_k,
+    })
 }

@@ -7,6 +7,8 @@ use super::block::Block;
 
 /// Relative difference of a node's mean and the sum of its means by source: these have 6 decimals.
 const PRINTED: f64 = 2e-6;
+/// What to do where the file does not hold together.
+const WRITE_ANEW: &str = "let Thermal Desktop write the file anew";
 /// The line above array 1.
 const MEANS: &str = "Average heating rates";
 
@@ -66,12 +68,15 @@ fn read(block: &Block<'_>, start: usize) -> Result<Means, (usize, String)> {
             return Err((comment.line, format!("array 1 has {} means: expected one for each node", means.len())));
         };
         if (mean - sum).abs() > PRINTED + 1e-4 * sum.abs() {
-            return Err((comment.line, format!("its means add up to {sum} W, array 1 says {mean} W")));
+            let message = format!(
+                "its means add up to {sum} W, array 1 says {mean} W; {WRITE_ANEW}, or write the sum into array 1"
+            );
+            return Err((comment.line, message));
         }
         nodes.push(((submodel.to_ascii_uppercase(), number), mean));
     }
     if nodes.len() != means.len() || nodes.is_empty() {
-        return Err((line, format!("array 1 has {} means for {} nodes", means.len(), nodes.len())));
+        return Err((line, format!("array 1 has {} means for {} nodes; {WRITE_ANEW}", means.len(), nodes.len())));
     }
     Ok(nodes)
 }

@@ -1,22 +1,29 @@
-//! SINDA/FLUINT decks as text, as Thermal Desktop writes them: `.inp`, `.cc`, `.k`, `.hra`, `.hrl`, and the printed result
-//! `.out`.
+//! Decks of SINDA/FLUINT and SINDA/G as text: `.inp`, `.cc`, `.k`, `.hra`, `.hrl` as Thermal Desktop writes them, `.sin` with
+//! numbered headers (`BCD 3NODE DATA`), and the printed result `.out`.
 //!
 //! The layout was read off public decks of Thermal Desktop 6.2 (`bpar907/APSS-2-Thermal-TXRX`, `oresat/oresat-thermal`) and
-//! follows the SINDA/FLUINT user's manual (C&R Technologies). Data blocks are read. Code is refused at its line, but for
-//! heat added to a node in VARIABLES 0 and for what Thermal Desktop always writes and that has no physics in it.
+//! SINDA/G (`afcarl/RR062`), and follows the SINDA/FLUINT user's manual (C&R Technologies). Data blocks are read. Code is refused
+//! at its line, but for heat given to a node in VARIABLES 0 and 1, heaters of Thermal Desktop, and what it always writes and
+//! that has no physics in it.
 
+mod arrays;
 mod assembly;
 mod block;
 mod card;
 mod conductors;
 mod control;
+mod heaters;
 mod heating;
+mod law;
 mod loads;
 mod nodes;
 mod result;
+mod seen;
 mod subroutines;
 #[cfg(test)]
 mod tests;
+mod thermostat;
+mod units;
 
 use crate::{Deck, DeckError};
 
@@ -42,7 +49,7 @@ impl SindaFile<'_> {
 
     /// Whether it has a block of a deck.
     fn is_deck(&self) -> bool {
-        self.text.lines().any(|line| card::header(line).is_some_and(|words| block::is_known(&words)))
+        self.text.lines().any(|line| card::header(line).is_some_and(|header| block::is_known(&header.words)))
     }
 
     /// Whether it is what SINDA/FLUINT printed.
@@ -64,7 +71,7 @@ pub fn recognises(files: &[SindaFile<'_>]) -> bool {
 ///
 /// Named contacts become parameters in W/K, the sum of their conductors, each a share of it. Named heat loads become inputs in
 /// W likewise. Each set of radiation conductors and of heating rates gets a scale with the nominal value 1. Groups are
-/// submodels and contacts. Temperatures of a printed steady state become the record.
+/// submodels and contacts. Temperatures of a printed steady state become the record, else those of a printed transient.
 ///
 /// # Errors
 /// Each line that is not understood, fifty at most.
@@ -75,7 +82,7 @@ pub fn read(files: &[SindaFile<'_>]) -> Result<Deck, Vec<DeckError>> {
     let blocks = block::blocks(&decks, &mut errors);
     let mut deck = assembly::assemble(&blocks, &mut errors);
     if let [result] = results.as_slice() {
-        match result::record(result, &deck.deck.nodes, deck.zero_k) {
+        match result::record(result, &deck.deck.nodes, deck.units, deck.has_means) {
             Ok((record, notes)) => {
                 deck.deck.notes.extend(notes);
                 deck.add_record(record);

@@ -1,5 +1,7 @@
 //! SUBROUTINE blocks: what Thermal Desktop always writes, and has no physics in it, is passed over; others are refused.
 
+use std::collections::BTreeSet;
+
 use super::block::Block;
 use crate::DeckError;
 
@@ -8,8 +10,26 @@ const EMPTY: [&str; 8] = ["TDHTR", "TDREL", "TDHTOT", "TDHTRST", "TDPREBL", "TDP
 /// The routine that interpolates heating rates, whose data are read from their arrays.
 const LOADQ: &str = "LOADQ_";
 
-/// Refuses every routine with something in it that would act on the network.
-pub(super) fn check(block: &Block<'_>, errors: &mut Vec<DeckError>) {
+/// Beginnings of statements, without spaces, that print what heaters did.
+const PRINTING: [&str; 9] =
+    ["WRITE(", "CALLOUTLOG", "CALLHNQCAL", "CALLCOMMON", "CHARACTER*", "IF(ISBUILT(", "IF(T__TD.", "T__TD=", "O__TD="];
+/// Counters of heaters, which may be set back.
+const COUNTERS: [&str; 4] = ["CH", "HT", "OT", "TP"];
+
+/// Whether a statement only prints or resets what heaters counted.
+fn is_of_heaters(text: &str, handles: &BTreeSet<String>) -> bool {
+    let plain: String = text.split_whitespace().collect();
+    let resets = |handle: &String| COUNTERS.iter().any(|name| plain.starts_with(&format!("{name}{handle}=0")));
+    !handles.is_empty()
+        && (PRINTING.iter().any(|start| plain.starts_with(start))
+            || plain.starts_with('+')
+            || plain == "ENDIF"
+            || handles.iter().any(resets))
+}
+
+/// Refuses every routine with something in it that would act on the network. `handles` are those of the heaters that were
+/// read: what prints and counts of them is passed over.
+pub(super) fn check(block: &Block<'_>, handles: &BTreeSet<String>, errors: &mut Vec<DeckError>) {
     let mut routine = String::new();
     for card in &block.cards {
         let text = card.text.to_ascii_uppercase();
@@ -22,7 +42,7 @@ pub(super) fn check(block: &Block<'_>, errors: &mut Vec<DeckError>) {
             }
             continue;
         }
-        let is_empty = matches!(text.as_str(), "RETURN" | "END" | "CALL COMMON");
+        let is_empty = matches!(text.as_str(), "RETURN" | "END" | "CALL COMMON") || is_of_heaters(&text, handles);
         if EMPTY.contains(&routine.as_str()) && !is_empty {
             let message = format!(
                 "`{}` in {routine}: heaters and other logic are Fortran, which is not read; write a load instead and \

@@ -124,6 +124,8 @@ impl Cutter<'_> {
             _ if self.holds_constants() && is_type(code) => self.heading(number, code.trim_start_matches('*')),
             Lines::Untyped => self.fail(number, "expected `$REAL` or `$INTEGER` above constants".to_owned()),
             Lines::Data(data) => self.data(number, data, code, comment),
+            // Where ESATAN-TMS puts the code that it generates; that code itself is refused.
+            Lines::Code("INITIAL") if code.eq_ignore_ascii_case("GENMOR") => {}
             Lines::Code(block) if !self.is_reported => {
                 self.is_reported = true;
                 let code = shortened(code);
@@ -144,7 +146,8 @@ impl Cutter<'_> {
     fn heading(&mut self, number: usize, heading: &str) {
         let mut words = heading.split_whitespace();
         let word = words.next().unwrap_or_default().to_ascii_uppercase();
-        let rest = words.next().unwrap_or_default();
+        // Behind a model's name may stand its options: `$MODEL NAME, ACDFILE`.
+        let rest = words.next().and_then(|word| word.split(',').next()).unwrap_or_default();
         // A type within a block that is left out is part of it.
         if self.lines == Lines::Skipped("ARRAYS") && is_type(&word) {
             return;
