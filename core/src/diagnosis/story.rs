@@ -324,8 +324,7 @@ impl Diagnosis {
         let law = additions.iter().filter(pays).find(|one| !is_curve(one));
         let of_one_input = |one: &&Addition| is_curve(one) && self.problem().candidates[one.effect].bound.len() == 1;
         let curve = additions.iter().filter(pays).find(of_one_input);
-        let errors_of =
-            |one: &Addition, other: &Addition| unseen(&state.refits[one.place], &state.refits[other.place]);
+        let errors_of = |one: &Addition, other: &Addition| unseen(&state.refits[one.place], &state.refits[other.place]);
         // A law that has to be a hundred times as large as is plausible is no better than a curve of plausible size.
         let is_plausible = |one: &&Addition| is_curve(one) && is_as_written(state, one.effect, one.place);
         let plausible = law.filter(|law| is_implausible(state, at, law.place));

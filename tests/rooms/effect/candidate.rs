@@ -38,6 +38,9 @@ fn a_group_goes_before_places_of_its_own_kind_only_where_they_are_members() {
     let node = Candidate { site: Site::Nodes([(5, 1.0)].into()), ..on("node", "heat-load", &[]) };
     assert!(!wall.is_elsewhere_than(&node), "no element is compared with a node");
     let thermometers = Candidate { site: Site::Sensors(Vec::new()), ..on(GROUP, "sensor-lag", &[]) };
-    assert!(thermometers.is_elsewhere_than(&node) && wall.is_elsewhere_than(&thermometers), "a node is no part of them");
+    assert!(
+        thermometers.is_elsewhere_than(&node) && wall.is_elsewhere_than(&thermometers),
+        "a node is no part of them"
+    );
     assert!(!on("conductor", "heat-load", &[2]).is_elsewhere_than(&on("conductor", "heat-load", &[5])));
 }

@@ -180,11 +180,10 @@ impl Problem {
             };
             next.ok().filter(more)
         };
-        let wider = |own: &Amplitudes, places: &[usize]| own.wider(places, -may_lack);
-        let ways: [&dyn Fn(&Amplitudes, &[usize]) -> Vec<usize>; 2] = [&wider, &Amplitudes::less_wide];
-        for way in ways {
+        for is_wider in [true, false] {
             loop {
-                let others = way(&amplitudes, &places);
+                let others =
+                    if is_wider { amplitudes.wider(&places, -may_lack) } else { amplitudes.less_wide(&places) };
                 if others == places {
                     break;
                 }
