@@ -59,7 +59,7 @@ pub(crate) struct Story {
     pub logs: Vec<f64>,
     /// Log evidences of all sets, each with its own model error.
     pub log_evidences: Vec<f64>,
-    /// Log likelihoods of all sets by blocks of the fitted readings.
+    /// Log likelihoods of all sets by blocks of the fitted readings, where a verdict asks for them.
     pub of_blocks: Vec<Vec<f64>>,
     /// Effects that are no part of it, though more probable than nothing at a step: the unseen rows speak against them.
     pub refused: BTreeSet<usize>,
@@ -216,10 +216,9 @@ impl Diagnosis {
             }
         }
         let ordered = self.largest_first(state, &logs, story);
-        let of_blocks = self.log_likelihoods_of_blocks(state);
         let story = self.until_contradicted(state, &logs, ordered);
         let refused = refused(state, &story);
-        Story { log_evidences, of_blocks, refused, ..story }
+        Story { log_evidences, refused, ..story }
     }
 
     /// The steps before the first whose effect is far less probable than another that fails on the unseen rows: it would follow

@@ -11,6 +11,7 @@ use crate::diagnosis::odds::posterior_odds::{
 };
 use crate::diagnosis::output::{HeldOutTest, Output, Verdict};
 use crate::diagnosis::problem::is_idle;
+use crate::diagnosis::story::Story;
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::findings::{Findings, is_small_error};
 use crate::diagnosis::verdict::results::{detectable, misfit, models, noise, unseen};
@@ -70,7 +71,8 @@ impl Diagnosis {
         let uncompared =
             |why: NoHeat| format!("heat of unknown origin could not be compared with the effects: {}", why.in_words());
         warnings.extend(no_heat.map(uncompared));
-        let story = state.is_misspecified().then(|| self.story(state));
+        let of_blocks = || self.log_likelihoods_of_blocks(state);
+        let story = state.is_misspecified().then(|| Story { of_blocks: of_blocks(), ..self.story(state) });
         let mut findings = Findings {
             problem: &problem,
             state,
