@@ -1,7 +1,8 @@
 """Writes campaigns of small test benches for `tests/known_truth.py`: few sensors, noise that is not stated, wide priors, and a truth of four
-cells a node with a loss that is a little nonlinear, a room that is not quite where it is logged, and one effect that the believed model lacks.
+cells a node with a loss that is a little nonlinear, a room that is not quite where it is logged, and one effect that the believed model lacks;
+beside it so many minor ones, each a quarter to two fifths as large.
 
-usage: prepare.py SEED COUNT FOLDER, with NumPy
+usage: prepare.py SEED COUNT FOLDER [MINOR], with NumPy
 """
 
 import json
@@ -17,6 +18,8 @@ STEFAN_BOLTZMANN = 5.670374419e-8
 ROOM = 21.0
 # Sizes between which that of the hidden effect is sought, of each kind; of loads in shares of the heater's power.
 SIZES = {"fan": (0.3, 4), "storage": (0.3, 6), "loss": (0.1, 3), "sun": (1 / 8000, 1 / 300), "path": (0.2, 10), "dated-load": (0.03, 0.8), "dated-conductance": (0.2, 3), "dissipation": (0.003, 0.02), "sink": (2, 10)}
+# Kinds that minor effects may have: what needs no input of its own and changes no other effect's place.
+MINOR_KINDS = ["storage", "loss", "path", "dated-load", "dated-conductance", "dissipation", "sink", "offset"]
 UNITS = {"time": "s", "P": "W", "I": "A", "fan": "1", "light": "W/m2"}
 
 
@@ -46,7 +49,7 @@ def daylight(random, times, day):
 class Bench:
     """A chain of nodes from the heater outwards, as it is and as it is believed to be."""
 
-    def __init__(self, random, kind):
+    def __init__(self, random, kind, minor):
         self.random, self.kind = random, kind
         least = {"path": 3, "loss": 2}.get(kind, 1)
         self.count = max(least, int(random.choice([1, 2, 3, 4], p=[0.2, 0.35, 0.3, 0.15])))
@@ -78,6 +81,8 @@ class Bench:
         self.warm = self.rise * random.uniform(0.1, 0.5) if random.random() < 0.3 else 0.0
         others = [name for name, own in (("fan", "fan"), ("light", "sun")) if kind == own or random.random() < 0.25]
         self.records = [self.record(others) for _ in range(self.runs)]
+        possible = [one for one in MINOR_KINDS if one != kind and not (one == "path" and self.count < 3) and not (one.startswith("dated") and self.runs == 2)]
+        self.minor = [(str(one), int(random.integers(self.count))) for one in random.choice(possible, minor, replace=False)] if minor else []
 
     def record(self, others):
         random, rows = self.random, self.rows
@@ -91,23 +96,25 @@ class Bench:
             inputs[name] = steps(random, times, [0, 1], self.span / 6) if name == "fan" else daylight(random, times, day)
         return times, inputs, inputs["T_room"] + 0.35 * wandering(random, rows, 6)
 
-    def simulate(self, record, kind, size):
-        """Temperatures of all cells, implicit Euler with the loss of the step before, degC."""
+    def simulate(self, record, hidden):
+        """Temperatures of all cells, implicit Euler with the loss of the step before, degC; of each hidden effect the size and the node."""
         times, inputs, room = record
-        cells = self.count * CELLS + (kind == "storage")
+        size = lambda kind: hidden.get(kind, (0.0, 0))[0]
+        here = lambda kind: slice(CELLS * hidden[kind][1], CELLS * (hidden[kind][1] + 1))
+        cells = self.count * CELLS + ("storage" in hidden)
         capacities = np.repeat(self.capacities / CELLS, CELLS)
         joints = [(CELLS * n + c, CELLS * n + c + 1, self.within[n]) for n in range(self.count) for c in range(CELLS - 1)]
         joints += [(CELLS * n + CELLS - 1, CELLS * (n + 1), self.joints[n]) for n in range(self.count - 1)]
         losses = np.repeat(self.losses, CELLS) * self.shares
-        here = slice(CELLS * self.at, CELLS * (self.at + 1))
-        if kind == "storage":
-            capacities = np.append(capacities, size * self.capacities[self.at])
-            joints.append((CELLS * self.at + 1, cells - 1, self.behind))
+        if "storage" in hidden:
+            host = hidden["storage"][1]
+            capacities = np.append(capacities, size("storage") * self.capacities[host])
+            joints.append((CELLS * host + 1, cells - 1, self.behind))
             losses = np.append(losses, 0)
-        if kind == "path":
-            joints.append((1, CELLS * (self.count - 1) + 2, size * self.to_room))
-        if kind == "loss":
-            losses[here] += size * self.to_room * self.shares[here]
+        if "path" in hidden:
+            joints.append((1, CELLS * (self.count - 1) + 2, size("path") * self.to_room))
+        if "loss" in hidden:
+            losses[here("loss")] += size("loss") * self.to_room * self.shares[here("loss")]
         network = np.zeros((cells, cells))
         for a, b, conductance in joints:
             network[[a, b], [a, b]] -= conductance
@@ -117,11 +124,11 @@ class Bench:
         pieces = min(4, max(1, int(np.ceil((times[1] - times[0]) / (self.time_constant / 60)))))
         length = (times[1] - times[0]) / pieces
         for row in range(len(times) - 1):
-            sink = room[row] + (size if kind == "sink" else 0)
-            factor = 1 + (size * inputs["fan"][row] if kind == "fan" else 0)
-            factor += size if kind == "dated-conductance" and times[row] >= self.date else 0
+            sink = room[row] + size("sink")
+            factor = 1 + (size("fan") * inputs["fan"][row] if "fan" in hidden else 0)
+            factor += size("dated-conductance") if times[row] >= self.date else 0
             power = inputs["P"][row] if "P" in inputs else 12 * inputs["I"][row]
-            if kind == "joule":
+            if "joule" in hidden:
                 power = self.resistance * inputs["I"][row] ** 2
             for _ in range(pieces):
                 above = np.abs(state - sink)
@@ -129,31 +136,33 @@ class Bench:
                 radiative = 4 * STEFAN_BOLTZMANN * ((state + sink) / 2 + 273.15) ** 3 / 6
                 loss = losses * factor * (0.75 + 0.125 * natural + 0.125 * radiative)
                 heat = np.zeros(cells)
-                heat[0] = self.efficiency * power * (1 + (size * (state[0] - 20) if kind == "dissipation" else 0))
-                if kind == "sun":
-                    heat[here] += size * self.power * inputs["light"][row] / CELLS
-                if kind == "dated-load" and times[row] >= self.date:
-                    heat[CELLS * self.at] += size * self.power
+                heat[0] = self.efficiency * power * (1 + size("dissipation") * (state[0] - 20))
+                if "sun" in hidden:
+                    heat[here("sun")] += size("sun") * self.power * inputs["light"][row] / CELLS
+                if "dated-load" in hidden and times[row] >= self.date:
+                    heat[CELLS * hidden["dated-load"][1]] += size("dated-load") * self.power
                 implicit = np.eye(cells) - length / capacities[:, None] * (network - np.diag(loss))
                 state = np.linalg.solve(implicit, state + length / capacities * (heat + loss * sink))
             course.append(state)
         return np.array(course)
 
-    def size(self):
-        """The size of the hidden effect that moves the temperatures by a tenth to a quarter of their rise, as far as one does."""
-        if self.kind == "lag":
+    def size(self, kind, at, target):
+        """The size of a hidden effect that moves the temperatures by a target, as far as one does."""
+        if kind == "lag":
             return self.time_constant * self.random.uniform(0.06, 0.2)
-        if self.kind not in SIZES:
+        if kind == "offset":
+            return target
+        if kind not in SIZES:
             return 1.0
-        target = self.rise * self.random.uniform(0.08, 0.25)
         cells = self.count * CELLS
-        without = np.concatenate([self.simulate(record, "nothing", 0) for record in self.records])
+        without = np.concatenate([self.simulate(record, {}) for record in self.records])
 
         def apart(size):
-            course = np.concatenate([self.simulate(record, self.kind, size)[:, :cells] for record in self.records])
+            course = np.concatenate([self.simulate(record, {kind: (size, at)})[:, :cells] for record in self.records])
             return abs(np.log(np.sqrt(np.mean((course - without) ** 2)) / target))
 
-        return min(np.geomspace(*SIZES[self.kind], 7), key=apart)
+        least, most = SIZES[kind]
+        return min(np.geomspace(least if kind == self.kind else least / 8, most, 7 if kind == self.kind else 12), key=apart)
 
     def model(self):
         random, names, rough = self.random, self.names, lambda value, sd: float(f"{value * random.lognormal(0, sd):.2g}")
@@ -173,12 +182,18 @@ class Bench:
         power = "eta * volts * I" if self.by_current else "eta * P"
         return {"format": "bmv-network/1", "title": f"Bench of {self.count} nodes", "inputs": inputs, "parameters": parameters, "nodes": nodes, "conductors": conductors, "loads": {"heater": {"into": names[0], "power": power}}}
 
-    def truth(self, size):
-        names, at = self.names, self.names[self.at]
+    def truth(self, hidden):
+        """The hidden effects and what a lumped network calls by other names: which of them explains most depends on what the parameters take up."""
+        listed = [one for kind, (_, node) in hidden.items() for one in self.listed(kind, node)]
+        note = ", ".join(f"{kind} at {self.names[node]}, size {size:.3g}" for kind, (size, node) in hidden.items())
+        return {"truth": listed[:1], "alternatives": listed[1:], "note": note}
+
+    def listed(self, kind, node):
+        names, at = self.names, self.names[node]
         near = [f"{a} to {b}" for a, b in zip(names, [*names[1:], "room"]) if at in (a, b)] + [f"{at} to room"]
         of = lambda effects, where, **more: [{"effect": effect, "where": where} | more for effect in effects]
         surroundings = ["path-to-ambient", "free-convection", "radiation-to-ambient", "path-to-logged-temperature", "conductive-path", "radiative-path", "convection"]
-        listed = {
+        return {
             "fan": of(["input-dependent-conductance", "conductance-step"], [], input="fan"),
             "storage": of(["hidden-node", "thermal-mass"], [at]) + [one for joint in near for one in of(["path-capacity"], [joint])],
             "loss": of(surroundings, [at]),
@@ -190,30 +205,33 @@ class Bench:
             "lag": of(["sensor-lag"], [at]),
             "dissipation": of(["dissipation-temperature"], ["heater"]),
             "sink": of(["sink-offset"], ["room"]),
+            "offset": of(["sensor-bias"], [at]),
             "nothing": [],
-        }[self.kind]
-        return {"truth": listed[:1], "alternatives": listed[1:], "note": f"{self.kind} at {at}, size {size:.3g}"}
+        }[kind]
 
     def write(self, folder):
         random = self.random
-        size = self.size()
-        hidden = "nothing" if self.kind == "lag" else self.kind
+        target = self.rise * random.uniform(0.08, 0.25) if self.kind in SIZES or self.minor else 0.0
+        hidden = {self.kind: (self.size(self.kind, self.at, target), self.at)}
+        hidden |= {kind: (self.size(kind, at, target * random.uniform(0.25, 0.4)), at) for kind, at in self.minor}
         seen = [n for n in range(self.count) if random.random() < 0.8] or [self.count - 1]
         if self.kind == "lag" and self.at not in seen:
             self.at = seen[0]
+        size, offset = hidden[self.kind][0], hidden.get("offset", (0.0, None))
         noise, resolution = random.uniform(0.02, 0.15), random.choice([0, 0.0625, 0.1, 0.25])
         spots = random.integers(CELLS, size=self.count)
         (folder / "data").mkdir(parents=True, exist_ok=True)
         measurements = {}
         for number, record in enumerate(self.records, 1):
             times, inputs, _ = record
-            course = self.simulate(record, hidden, size)
+            course = self.simulate(record, hidden)
             columns = {"time": times} | inputs
             for node in seen:
                 reading = course[:, CELLS * node + spots[node]].copy()
                 if self.kind == "lag" and node == self.at:
                     for row in range(1, len(times)):
                         reading[row] = reading[row - 1] + (1 - np.exp(-(times[1] - times[0]) / size)) * (reading[row] - reading[row - 1])
+                reading += offset[0] if node == offset[1] else 0
                 reading += noise * random.normal(size=len(times))
                 columns[self.names[node]] = np.round(reading / resolution) * resolution if resolution else reading
             lines = [",".join(f"{name} [{UNITS.get(name, 'degC')}]" for name in columns)]
@@ -227,12 +245,13 @@ class Bench:
             measurements[f"run {number}"] = {"transient": {"file": f"data/run {number}.csv", "hold": [name for name in inputs if name in ("P", "I", "fan")], "initial": {"temperatures": first}, "sensors": sensors} | held_out}
         jobs = {"missing": {"diagnose": {"data": list(measurements)}}}
         a_pass = {"format": "bmv-pass/1", "title": "Bench", "parent": None, "model": "model.json", "seed": 7, "measurements": measurements, "jobs": jobs}
-        for name, content in (("model", self.model()), ("pass-1", a_pass), ("truth", self.truth(size))):
+        for name, content in (("model", self.model()), ("pass-1", a_pass), ("truth", self.truth(hidden))):
             (folder / f"{name}.json").write_text(json.dumps(content, indent=1))
 
 
-if len(sys.argv) != 4:
+if len(sys.argv) not in (4, 5):
     sys.exit(__doc__)
+minor = int(sys.argv[4]) if len(sys.argv) == 5 else 0
 for case in range(int(sys.argv[2])):
-    kind = KINDS[case % len(KINDS)]
-    Bench(np.random.default_rng([int(sys.argv[1]), case]), kind).write(pathlib.Path(sys.argv[3]) / f"{case:03d}-{kind}")
+    kind = KINDS[case % (len(KINDS) - (minor > 0))]
+    Bench(np.random.default_rng([int(sys.argv[1]), case]), kind, minor).write(pathlib.Path(sys.argv[3]) / f"{case:03d}-{kind}")

@@ -43,8 +43,6 @@ const FURTHER_INPUT: f64 = 1.1;
 const APART: f64 = 0.35;
 /// Relative change of the size with which readings count that matters.
 const CHANGES: f64 = 0.15;
-/// Most and fewest blocks of a transient.
-const BLOCKS: [f64; 2] = [50.0, 8.0];
 /// Share of the noise below which a model error is none.
 const NONE: f64 = 0.2;
 /// Least noise, as a share of the errors' root mean square: nothing is known without any.
@@ -120,15 +118,15 @@ fn beside(problem: &Problem, readings: &[FittedReading], refit: &Refit, instrume
 }
 
 /// A set with the model errors that are most likely beside it.
-struct Beside {
+pub(super) struct Beside {
     /// Position of the set.
-    place: usize,
+    pub(super) place: usize,
     /// Log evidence of the set with them.
     log_evidence: f64,
     /// Log posterior weight of the set with them; of [`beside`] the log evidence alone.
     log_weight: f64,
     /// Standard deviations of the model error, SI, by measurement; one for those that are alike.
-    sds: Vec<f64>,
+    pub(super) sds: Vec<f64>,
     /// Parameters that the data determine with them.
     determined: f64,
 }
@@ -223,17 +221,6 @@ impl Diagnosis {
         }
     }
 
-    /// Independent readings that the held-out rows are worth.
-    pub(crate) fn independent_unseen(&self, state: &State) -> f64 {
-        let of = |one: &crate::diagnosis::fits::refit::HeldOut| {
-            let same = |sensor_noise: &&SensorNoise| {
-                sensor_noise.measurement == one.measurement && sensor_noise.sensor == one.sensor
-            };
-            state.noise.iter().find(same).map(SensorNoise::independent_readings)
-        };
-        state.refits.first().map_or(0.0, |refit| refit.held_out.iter().filter_map(of).sum())
-    }
-
     /// Log evidences and log posterior weights of the sets, each with the model error that is most likely beside it.
     pub(crate) fn log_weights_of_story(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
         let mut logs = vec![f64::NEG_INFINITY; state.refits.len()];
@@ -247,41 +234,6 @@ impl Diagnosis {
             logs[one.place] = one.log_weight - FURTHER_INPUT * more - owed;
         }
         (evidences, logs)
-    }
-
-    /// Log likelihoods of the fitted readings by set and block, each with the model error that is most likely beside the set: a steady
-    /// phase is a block, or a stretch of a transient in which errors are alike.
-    pub(crate) fn log_likelihoods_of_blocks(&self, state: &State) -> Vec<Vec<f64>> {
-        let mut blocks = vec![Vec::new(); state.refits.len()];
-        let Some((_, instruments)) = self.reference(state) else { return blocks };
-        let problem = self.with_noise(&state.noise, &state.most_steps);
-        let readings = problem.fitted_readings();
-        let block = |reading: &FittedReading| {
-            let measured = &problem.measurements[reading.measurement];
-            let rows_of_block = match measured.rows {
-                Rows::Steady(_) => 1.0,
-                Rows::Transient { .. } => {
-                    let rows = measured.len() as f64;
-                    let [most, fewest] = BLOCKS.map(|count| rows / count);
-                    instruments[reading.measurement].readings_of_one.clamp(most, fewest)
-                }
-            };
-            (reading.measurement, (reading.row as f64 / rows_of_block) as usize)
-        };
-        let keys: Vec<(usize, usize)> = readings.iter().map(block).collect();
-        for one in self.beside_sets(state, &instruments) {
-            let errors = &state.refits[one.place].errors;
-            let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-            for (measurement, instrument) in instruments.iter().enumerate() {
-                let mine: Vec<usize> = (0..keys.len()).filter(|&k| keys[k].0 == measurement).collect();
-                let own = Errors { errors: mine.iter().map(|&k| errors[k]).collect(), ..instrument.clone() };
-                for (k, log) in mine.into_iter().zip(own.of_readings(one.sds[measurement])) {
-                    *sums.entry(keys[k]).or_default() += log;
-                }
-            }
-            blocks[one.place] = sums.into_values().collect();
-        }
-        blocks
     }
 
     /// The noise with the model error that the fitted sets want; `None` where it is that of before.
@@ -316,7 +268,7 @@ impl Diagnosis {
     }
 
     /// The most probable plain set with the model error that is most likely beside it, and the instruments' noise.
-    fn reference(&self, state: &State) -> Option<(Beside, Vec<Errors>)> {
+    pub(super) fn reference(&self, state: &State) -> Option<(Beside, Vec<Errors>)> {
         let mut place = best(&posterior_odds(self.problem(), &state.refits, None)).unwrap_or(0);
         let mut chosen = None;
         for _ in 0..ROUNDS {
@@ -441,7 +393,7 @@ impl Diagnosis {
     }
 
     /// All sets with the model errors that are most likely beside them, the most probable first.
-    fn beside_sets(&self, state: &State, instruments: &[Errors]) -> Vec<Beside> {
+    pub(super) fn beside_sets(&self, state: &State, instruments: &[Errors]) -> Vec<Beside> {
         let problem = self.with_noise(&state.noise, &state.most_steps);
         let (readings, odds) = (problem.fitted_readings(), PriorOdds::new(&problem));
         let mut sets: Vec<Beside> = (0..state.refits.len())

@@ -123,19 +123,21 @@ fn is_as_written(state: &State, effect: usize, place: usize) -> bool {
 }
 
 /// Whether an effect of plausible size goes before one of a hundred times that, each by a set that adds it to another: it
-/// explains nearly as much, and predicts unseen rows no worse.
-fn goes_before(state: &State, at: usize, plausible: usize, other: usize) -> bool {
+/// explains nearly as much, and predicts unseen rows no worse; or explains most of it, predicts them better, and is not clearly less
+/// probable.
+fn goes_before(state: &State, logs: &[f64], at: usize, plausible: usize, other: usize) -> bool {
     let [own, plausible_set, other_set] = [at, plausible, other].map(|place| &state.refits[place]);
     let squares = [own, plausible_set, other_set].map(|refit| refit.residuals.iter().map(|error| error * error).sum());
     is_implausible(state, at, other)
         && !is_implausible(state, at, plausible)
-        && serves_as_well(squares, unseen(other_set, plausible_set))
+        && serves_as_well(squares, unseen(other_set, plausible_set), logs[other] - logs[plausible])
 }
 
 /// Whether a set explains nearly as much as another, from the sums of squares without both, with it and with the other, and
-/// errs no more on unseen rows: the errors of the other and of it there. Where it errs clearly less there, it may explain less.
-pub fn serves_as_well([without, with, with_other]: [f64; 3], errors: [Option<f64>; 2]) -> bool {
-    let predicts_better = matches!(errors, [Some(_), Some(_)]) && falls(errors);
+/// errs no more on unseen rows: the errors of the other and of it there. Where it errs clearly less there, it may explain less, unless
+/// the other leads it by clear log odds.
+pub fn serves_as_well([without, with, with_other]: [f64; 3], errors: [Option<f64>; 2], lead: f64) -> bool {
+    let predicts_better = matches!(errors, [Some(_), Some(_)]) && falls(errors) && lead <= CLEARLY;
     let share = if predicts_better { EXPLAINS_MOST } else { EXPLAINS_ALIKE };
     without - with >= share * (without - with_other) && !matches!(errors, [Some(other), Some(own)] if own > other)
 }
@@ -259,7 +261,7 @@ impl Diagnosis {
                 places.reduce(|a, b| if weight(at, b) > weight(at, a) { b } else { a })
             };
             let Some(next) = most(&mut all.iter().copied()) else { return story };
-            let plausible = most(&mut all.iter().copied().filter(|&place| goes_before(state, at, place, next)));
+            let plausible = most(&mut all.iter().copied().filter(|&place| goes_before(state, logs, at, place, next)));
             sets.push(plausible.unwrap_or(next));
         }
         if sets == story.sets {
@@ -300,7 +302,8 @@ impl Diagnosis {
             laws.map(|one| one.1).reduce(|a, b| if logs[b] > logs[a] { b } else { a })
         };
         let largest_law = most_probable(&|_| true);
-        let before_implausible = largest_law.and_then(|law| most_probable(&|place| goes_before(state, at, place, law)));
+        let before_implausible =
+            largest_law.and_then(|law| most_probable(&|place| goes_before(state, logs, at, place, law)));
         let mut logs_of_step = logs.to_vec();
         if let Some(plausible) = before_implausible {
             let others = next.iter().map(|one| one.1).filter(|&place| logs[place] > logs[plausible]);

@@ -1,3 +1,4 @@
+mod blocks;
 mod fits;
 mod heat;
 mod hypothesis;

@@ -5,13 +5,14 @@ use bmv::diagnosis::story::{Weighed, curve_goes_first, falls, rises, serves_as_w
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
 #[test]
 fn an_effect_of_plausible_size_has_to_explain_nearly_as_much_and_to_predict_no_worse() {
-    assert!(serves_as_well([100.0, 5.9, 1.0], [Some(0.51), Some(0.5)]));
-    assert!(!serves_as_well([100.0, 6.0, 1.0], [Some(0.51), Some(0.5)]), "94 of 99");
-    assert!(serves_as_well([100.0, 20.0, 1.0], [Some(0.6), Some(0.5)]), "it predicts clearly better");
-    assert!(!serves_as_well([100.0, 21.0, 1.0], [Some(0.6), Some(0.5)]), "79 of 99");
-    assert!(!serves_as_well([100.0, 20.0, 1.0], [None, None]));
-    assert!(!serves_as_well([100.0, 5.9, 1.0], [Some(0.5), Some(0.6)]), "it predicts worse");
-    assert!(serves_as_well([100.0, 5.9, 1.0], [None, None]), "nothing is held out");
+    assert!(serves_as_well([100.0, 5.9, 1.0], [Some(0.51), Some(0.5)], 5.0));
+    assert!(!serves_as_well([100.0, 6.0, 1.0], [Some(0.51), Some(0.5)], 5.0), "94 of 99");
+    assert!(serves_as_well([100.0, 20.0, 1.0], [Some(0.6), Some(0.5)], 5.0), "it predicts clearly better");
+    assert!(!serves_as_well([100.0, 20.0, 1.0], [Some(0.6), Some(0.5)], 11.0), "but is clearly less probable");
+    assert!(!serves_as_well([100.0, 21.0, 1.0], [Some(0.6), Some(0.5)], 5.0), "79 of 99");
+    assert!(!serves_as_well([100.0, 20.0, 1.0], [None, None], 5.0));
+    assert!(!serves_as_well([100.0, 5.9, 1.0], [Some(0.5), Some(0.6)], 5.0), "it predicts worse");
+    assert!(serves_as_well([100.0, 5.9, 1.0], [None, None], 5.0), "nothing is held out");
 }
 
 /// By more than 5 % either way; without unseen rows nothing rises, and every step may be taken.

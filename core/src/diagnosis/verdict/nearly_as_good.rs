@@ -39,7 +39,8 @@ impl Findings<'_> {
         let tempering = self.tempering(&logs);
         let odds = |own: &Alternative| exp(-own.lag.max(0.0) / tempering).max(self.odds_by_chance(own));
         let mut all: Vec<(f64, Alternative)> = self.lags(&logs).into_iter().map(|own| (odds(&own), own)).collect();
-        all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.effect.cmp(&b.1.effect)));
+        all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.lag.total_cmp(&b.1.lag)).then(a.1.effect.cmp(&b.1.effect)));
+        let members = self.members();
         for group in 0..self.groups.len() {
             let is_near = |(odds, own): &&(f64, Alternative)| own.group == group && odds * RIVALS_WITHIN >= 1.0;
             let near: Vec<&(f64, Alternative)> = all.iter().filter(is_near).take(MOST_RIVALS).collect();
@@ -50,7 +51,8 @@ impl Findings<'_> {
             for (odds, own) in near {
                 let share = self.probability_as_weighed(own.effect).max(odds / total);
                 self.shared.insert(own.effect, share);
-                if !self.groups.iter().any(|group| group.contains(&own.effect)) {
+                // It may stand for several members, in different sets.
+                if !members.contains(&own.effect) && !self.groups[group].contains(&own.effect) {
                     self.groups[group].push(own.effect);
                 }
                 if !self.rivals.contains(&own.place) && self.rivals.len() <= MOST_RIVALS {

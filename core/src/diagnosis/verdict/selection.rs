@@ -1,10 +1,11 @@
 //! Which set of effects goes first, its rivals and its groups.
 
+use crate::diagnosis::Refit;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::{
     LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, SURE, SetProbabilities, best, groups,
 };
-use crate::diagnosis::story::{SINGLE_PLACE, Story};
+use crate::diagnosis::story::{SINGLE_PLACE, Story, gains_unseen, rises};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::math::functions::{exp, pow};
 use crate::math::special::normal_quantile;
@@ -44,6 +45,7 @@ impl Findings<'_> {
         if let Some(story) = self.story.clone() {
             return self.follow(&story);
         }
+        self.ask_unseen_of_curve();
         let place = best(&self.weights).unwrap_or(0);
         self.selected = place;
         if place == 0 {
@@ -90,6 +92,22 @@ impl Findings<'_> {
         }
     }
 
+    /// Weighs the sets with what the held-out rows say, where the most probable one has an unknown function and errs clearly more on
+    /// them than the most probable one of laws: a curve follows the rows that it saw.
+    fn ask_unseen_of_curve(&mut self) {
+        let refits = &self.state.refits;
+        let is_curved = |place: usize| refits[place].effects.iter().any(|&one| self.problem.is_unknown_function(one));
+        let Some(curve) = best(&self.weights).filter(|&place| is_curved(place)) else { return };
+        let laws = (1..refits.len()).filter(|&place| !is_curved(place));
+        let sets = &self.weights.sets;
+        let Some(law) = laws.reduce(|a, b| if sets[b] > sets[a] { b } else { a }) else { return };
+        if !rises([refits[law].rmse_held_out_k, refits[curve].rmse_held_out_k]) {
+            return;
+        }
+        let gain = |refit: &Refit| gains_unseen(&refits[curve], refit, refit.held_out.len() as f64);
+        self.weights = with_gains(&self.weights, &refits.iter().map(gain).collect::<Vec<_>>());
+    }
+
     /// Selects a set, with its rivals and its groups.
     fn go_on_with(&mut self, place: usize, weights: &SetProbabilities, within: f64) {
         self.selected = place;
@@ -113,6 +131,17 @@ impl Findings<'_> {
         let mut gone = effects(other).iter().filter(|effect| !effects(whole).contains(effect));
         gone.any(|&member| effects(whole).iter().any(|&group| goes_before(group, member)))
     }
+}
+
+/// What sets weigh with so much more log likelihood each; what no set explains gains nothing.
+pub fn with_gains(weights: &SetProbabilities, gains: &[f64]) -> SetProbabilities {
+    let sets: Vec<f64> = weights.sets.iter().zip(gains).map(|(weight, gain)| weight * exp(*gain)).collect();
+    let total = sets.iter().sum::<f64>() + weights.unexplained;
+    if !(total.is_finite() && total > 0.0) {
+        return weights.clone();
+    }
+    let sets = sets.into_iter().map(|weight| weight / total).collect();
+    SetProbabilities { sets, unexplained: weights.unexplained / total }
 }
 
 /// Gives a set with a whole group what sets with one of its members have, but for the share of a single place.

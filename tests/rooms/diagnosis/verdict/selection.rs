@@ -2,7 +2,7 @@
 
 use bmv::diagnosis::odds::posterior_odds::SetProbabilities;
 use bmv::diagnosis::verdict::selection::*;
-use bmv::math::functions::exp;
+use bmv::math::functions::{exp, ln};
 
 #[test]
 fn a_whole_group_has_what_its_members_had() {
@@ -16,6 +16,18 @@ fn a_whole_group_has_what_its_members_had() {
     let mut same = sure.clone();
     give_to_whole(&mut same, 1, &[2]);
     assert_eq!(same, sure, "it has more already");
+}
+
+/// A curve at 0.8 against laws at 0.1, which predict the held-out rows 20 times as well.
+#[test]
+fn held_out_rows_weigh_laws_against_a_curve() {
+    let weights = SetProbabilities { sets: vec![0.0, 0.8, 0.1], unexplained: 0.1 };
+    let with = with_gains(&weights, &[-50.0, 0.0, ln(20.0)]);
+    assert!((with.sets[1] - 0.8 / 2.9).abs() < 1e-12 && (with.sets[2] - 2.0 / 2.9).abs() < 1e-12, "{with:?}");
+    assert!((with.sets.iter().sum::<f64>() + with.unexplained - 1.0).abs() < 1e-12);
+    let none = SetProbabilities { sets: vec![0.0, 0.0], unexplained: 0.0 };
+    assert_eq!(with_gains(&none, &[0.0, 1.0]), none, "nothing is weighed");
+    assert_eq!(with_gains(&weights, &[0.0, 0.0, f64::INFINITY]), weights);
 }
 
 #[test]
