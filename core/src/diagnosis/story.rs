@@ -338,6 +338,7 @@ impl Diagnosis {
             (Some(law), Some(curve)) if curve_goes_first(logs[curve.place] - largest_law, errors_of(law, curve)) => {
                 Some(curve)
             }
+            (Some(law), _) if is_of_group(law) => Some(law),
             (Some(law), _) => {
                 // A law of a whole surface goes before what explains as much at single places of it.
                 let alike = |one: &&Addition| {
