@@ -100,6 +100,24 @@ pub fn curve_goes_first(lead: f64, errors: [Option<f64>; 2]) -> bool {
     lead > CLEARLY && !rises(errors)
 }
 
+/// A law that may be added at a step.
+#[derive(Clone, Copy, Debug)]
+pub struct LawOfStep {
+    /// Its log posterior weight.
+    pub log: f64,
+    /// Whether it acts on a group.
+    pub is_of_group: bool,
+    /// Whether it acts elsewhere than the most probable law.
+    pub is_elsewhere: bool,
+}
+
+/// Which law of a step goes first, of those that pay, the most probable first: it does, unless it acts at a single place and a whole
+/// surface explains nearly as much.
+pub fn whole_surface_first(laws: &[LawOfStep]) -> usize {
+    let alike = |one: &LawOfStep| one.is_of_group && !one.is_elsewhere && one.log > laws[0].log - CLEARLY;
+    if laws.first().is_none_or(|first| first.is_of_group) { 0 } else { laws.iter().position(alike).unwrap_or(0) }
+}
+
 /// The errors of two sets on unseen rows.
 fn unseen(before: &Refit, after: &Refit) -> [Option<f64>; 2] {
     [before.rmse_held_out_k, after.rmse_held_out_k]
@@ -338,13 +356,15 @@ impl Diagnosis {
             (Some(law), Some(curve)) if curve_goes_first(logs[curve.place] - largest_law, errors_of(law, curve)) => {
                 Some(curve)
             }
-            (Some(law), _) if is_of_group(law) => Some(law),
             (Some(law), _) => {
-                // A law of a whole surface goes before what explains as much at single places of it.
-                let alike = |one: &&Addition| {
-                    logs[one.place] > logs[law.place] - CLEARLY && !is_curve(one) && !is_elsewhere(one, law)
+                let laws: Vec<&Addition> = additions.iter().filter(pays).filter(|one| !is_curve(one)).collect();
+                let of_step = |one: &&Addition| LawOfStep {
+                    log: logs[one.place],
+                    is_of_group: is_of_group(one),
+                    is_elsewhere: is_elsewhere(one, law),
                 };
-                additions.iter().filter(pays).filter(|one| is_of_group(one)).find(alike).or(Some(law))
+                let first = whole_surface_first(&laws.iter().map(of_step).collect::<Vec<_>>());
+                laws.get(first).copied()
             }
             (None, curve) => curve.or_else(|| additions.iter().find(pays)),
         };

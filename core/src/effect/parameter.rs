@@ -194,8 +194,11 @@ const MEANT_FOR_J_PER_K: f64 = 500.0;
 /// The same of what meets at a node, W/K.
 const MEANT_FOR_W_PER_K: f64 = 1.0;
 
-/// How many times the catalogue's sizes are plausible in a model: whole powers of ten by which its nodes store or exchange
-/// more than an instrument's. A satellite's panel or a house has leaks and parts in proportion; smaller hardware keeps the
+/// Times an instrument's by which nodes store or exchange more where the catalogue's sizes grow with them: what is known so roughly
+/// is known well enough for less.
+const CLEARLY_LARGER: f64 = 10.0;
+
+/// How many times the catalogue's sizes are plausible in a model: as many as its nodes store or exchange more than an instrument's. A satellite's panel or a house has leaks and parts in proportion; smaller hardware keeps the
 /// catalogue's, as small sizes are plausible anywhere.
 fn enlarged(dimension: Dimension, model: &Model) -> f64 {
     let of = |text: &str| Unit::parse(text).map(|unit| unit.dimension).ok();
@@ -206,11 +209,7 @@ fn enlarged(dimension: Dimension, model: &Model) -> f64 {
     } else {
         return 1.0;
     };
-    let mut factor = 1.0;
-    while 10.0 * factor <= ratio && factor < 1e9 {
-        factor *= 10.0;
-    }
-    factor
+    if ratio >= CLEARLY_LARGER { ratio.min(1e9) } else { 1.0 }
 }
 
 /// A scale of a prior: half the distance between its 16 % and 84 % quantiles.

@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/story.rs`.
 
-use bmv::diagnosis::story::{Weighed, curve_goes_first, falls, rises, serves_as_well};
+use bmv::diagnosis::story::{LawOfStep, Weighed, curve_goes_first, falls, rises, serves_as_well, whole_surface_first};
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
 #[test]
@@ -46,4 +46,16 @@ fn a_curve_goes_before_laws_that_it_beats_clearly_unless_it_predicts_worse() {
     assert!(curve_goes_first(10.1, [Some(0.5), Some(0.52)]) && curve_goes_first(10.1, [None, None]));
     assert!(!curve_goes_first(9.9, [Some(0.5), Some(0.1)]), "it leads by too little");
     assert!(!curve_goes_first(100.0, [Some(0.5), Some(0.53)]), "the law predicts the unseen rows better");
+}
+
+#[test]
+fn a_whole_surface_goes_before_a_single_place_and_not_before_another_surface() {
+    let law = |log: f64, is_of_group: bool, is_elsewhere: bool| LawOfStep { log, is_of_group, is_elsewhere };
+    let single = law(50.0, false, false);
+    assert_eq!(whole_surface_first(&[single, law(49.0, false, false), law(45.0, true, false)]), 2);
+    assert_eq!(whole_surface_first(&[single, law(45.0, true, true)]), 0, "it lies elsewhere");
+    assert_eq!(whole_surface_first(&[single, law(39.0, true, false)]), 0, "it is clearly less probable");
+    // Conductors to the air before heat in all panels: neither is a part of the other.
+    assert_eq!(whole_surface_first(&[law(50.0, true, true), law(45.0, true, false)]), 0);
+    assert_eq!(whole_surface_first(&[]), 0);
 }
