@@ -1,4 +1,4 @@
-//! How large the hardware of a model is: what its nodes store and exchange, in orders of magnitude.
+//! How large the hardware of a model is: what its nodes store and exchange.
 
 use super::element::Element;
 use super::model::{Model, NodeKind};

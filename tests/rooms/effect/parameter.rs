@@ -23,7 +23,7 @@ fn hardware(capacity: f64, conductance: f64) -> Model {
     model
 }
 
-/// A house of 10 MJ/K that loses 120 W/K may hide parts of 2 MJ/K behind 10 W/K; an instrument those of the catalogue.
+/// A house of 10 MJ/K that loses 120 W/K may hide parts of 4 MJ/K behind 12 W/K; an instrument those of the catalogue.
 #[test]
 fn sizes_are_plausible_for_the_hardware() {
     let catalogue = Catalogue::embedded(&mut Diagnostics::new());
@@ -32,7 +32,7 @@ fn sizes_are_plausible_for_the_hardware() {
     };
     let (house, head) = (hardware(1e7, 120.0), hardware(700.0, 2.0));
     assert_eq!(plausible("hidden-node", &head), [200.0, 0.1]);
-    assert_eq!(plausible("hidden-node", &house), [2e6, 10.0]);
+    assert_eq!(plausible("hidden-node", &house), [4e6, 12.0]);
     assert_eq!(plausible("sensor-bias", &house), plausible("sensor-bias", &head));
     let mut study_effect = catalogue.get("hidden-node").unwrap().clone();
     study_effect.embedded = false;
