@@ -129,15 +129,15 @@ fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
     let [sd, noise, counts_as] = [worst.0, worst.1, worst.2].map(|size| short(size, 2));
     let left = chosen.rmse_train_k.map(|rmse| (rmse * rmse - worst.1 * worst.1).max(0.0).sqrt());
     let alike = format!(
-        "such errors are alike in readings that follow one another, so that each of these weighs as little as one with a noise of {counts_as} K.{part}"
+        "Since such errors are nearly the same in many successive readings, one reading has only the weight of an independent one with an error of {counts_as} K: that is a weight, not the noise of an instrument.{part}"
     );
     Some(match left.filter(|left| *left < CLEARLY_LESS * worst.0) {
         Some(left) => format!(
-            "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise} K. Each step was weighed with the model error beside the most probable one or two effects, {sd} K: {alike}",
+            "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise} K. Each step was weighed with the model error beside the most probable one or two effects, {sd} K. {alike}",
             short(left, 2)
         ),
         None => format!(
-            "The model is a little wrong everywhere: beside what is found, a model error of {sd} K (standard deviation) remains, while the instruments' noise is {noise} K: {alike}"
+            "The model is a little wrong everywhere: beside what is found, a model error of {sd} K (standard deviation) remains, while the instruments' noise is {noise} K. {alike}"
         ),
     })
 }
