@@ -151,7 +151,8 @@ impl Diagnosis {
             file: None,
             id: candidate.id.clone(),
             effect: candidate.effect.clone(),
-            title: file.map_or_else(|| TITLE.to_owned(), |file| file.title_at(candidate, &problem.model, &sensors).to_owned()),
+            title: file
+                .map_or_else(|| TITLE.to_owned(), |file| file.title_at(candidate, &problem.model, &sensors).to_owned()),
             place: candidate.place.clone(),
             where_kind: candidate.where_kind.to_owned(),
             input: candidate.input.clone(),

@@ -6,7 +6,7 @@ use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::rises;
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
-    Likeness, carried, onset, or_model_error, size, started, surprising, too_narrow,
+    Likeness, carried, onset, or_model_error, size, started, surprising, timed, too_narrow,
 };
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::findings::Findings;
@@ -260,7 +260,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     "{head}: {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
                     effect.title,
                     effect.id,
-                    size(effect),
+                    size(effect, timed(effect, findings.problem).map(|(_, amount)| amount)),
                     onset(effect, findings.problem),
                     carried(effect),
                     started(effect),
