@@ -49,8 +49,17 @@ pub fn unit_of_time(seconds: f64) -> (f64, &'static str) {
 
 /// `a, b and c`.
 pub(super) fn joined(names: &[String]) -> String {
+    joined_by(names, "and")
+}
+
+/// `a, b or c`.
+pub(super) fn or_joined(names: &[String]) -> String {
+    joined_by(names, "or")
+}
+
+fn joined_by(names: &[String], word: &str) -> String {
     match names.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        Some((last, rest)) if !rest.is_empty() => format!("{} {word} {last}", rest.join(", ")),
         _ => names.concat(),
     }
 }

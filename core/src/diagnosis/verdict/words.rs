@@ -11,6 +11,7 @@ use crate::diagnosis::verdict::effect_words::{
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::numbers::{joined, kelvins, short, with_error};
+use crate::diagnosis::verdict::one_kind::one_kind;
 use crate::diagnosis::verdict::small_effects::is_curve_of_few_phases;
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
 use crate::document::{counted, p_stated, percent};
@@ -256,8 +257,15 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),
                     None => (head.to_owned(), String::new()),
                 };
+                let rivals =
+                    output.effects.iter().filter(|other| effect.group.is_some() && other.group == effect.group);
+                let rivals = rivals.filter(|other| other.id != effect.id && !output.selected.contains(&other.id));
+                let group: Vec<&EffectResult> =
+                    std::iter::once(*effect).chain(rivals.filter(|other| other.file.is_none())).collect();
+                let together = one_kind(&group, findings.problem);
+                let together = together.map_or_else(String::new, |words| format!(" {words}; proposed:"));
                 words.push(format!(
-                    "{head}: {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
+                    "{head}:{together} {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
                     effect.title,
                     effect.id,
                     size(effect, timed(effect, findings.problem).map(|(_, amount)| amount)),
