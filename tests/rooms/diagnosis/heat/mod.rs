@@ -11,7 +11,7 @@ use bmv::random::StreamKey;
 use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 use std::sync::Arc;
 
-/// Where the baseline fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
+/// Where the baseline fit is distorted, it need not have come to its end: what heat explains does not depend on it. With a
 /// difference to the baseline fit's evidence the two would differ by what that is wrong by.
 #[test]
 fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
