@@ -257,11 +257,12 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),
                     None => (head.to_owned(), String::new()),
                 };
-                let rivals =
-                    output.effects.iter().filter(|other| effect.group.is_some() && other.group == effect.group);
-                let rivals = rivals.filter(|other| other.id != effect.id && !output.selected.contains(&other.id));
-                let group: Vec<&EffectResult> =
-                    std::iter::once(*effect).chain(rivals.filter(|other| other.file.is_none())).collect();
+                let is_own = |group: &&Vec<usize>| group.first().is_some_and(|&first| findings.id(first) == effect.id);
+                let members = findings.groups.iter().find(is_own).into_iter().flatten();
+                let group: Vec<&EffectResult> = members
+                    .filter_map(|&member| output.effects.iter().find(|other| other.id == findings.id(member)))
+                    .filter(|other| other.id == effect.id || !output.selected.contains(&other.id))
+                    .collect();
                 let together = one_kind(&group, findings.problem);
                 let together = together.map_or_else(String::new, |words| format!(" {words}; proposed:"));
                 words.push(format!(
