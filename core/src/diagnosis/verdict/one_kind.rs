@@ -51,8 +51,8 @@ impl Changed {
         }
     }
 
-    /// A path to a boundary as a loss of the node at its other end.
-    fn to_surroundings(self, model: &Model) -> Self {
+    /// The same, but a path to a boundary as a loss of the node at its other end.
+    fn beside_boundary(self, model: &Model) -> Self {
         let Self::Path(ends) = self else { return self };
         let is_inner = |node: &usize| !matches!(model.nodes[*node].kind, NodeKind::Boundary { .. });
         let nodes: Vec<usize> = ends.into_iter().filter(is_inner).collect();
@@ -70,7 +70,7 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> 
     };
     let mut all: Vec<Changed> = effects.iter().map(of).collect::<Option<_>>()?;
     if all.iter().any(|changed| *changed != all[0]) {
-        all = all.into_iter().map(|changed| changed.to_surroundings(&problem.model)).collect();
+        all = all.into_iter().map(|changed| changed.beside_boundary(&problem.model)).collect();
     }
     let place = |nodes: &[usize]| match nodes {
         [node] => format!("`{}`", problem.model.nodes[*node].name),
