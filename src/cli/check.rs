@@ -166,17 +166,17 @@ fn of_job(job: &JobCheck) -> String {
             text.push_str(&format!("  changed: {changed}\n"));
         }
     }
-    let is_told = |number: &&NumberCheck| number.differs || job.verdict == Verdict::Drifted;
-    let mut told: Vec<&NumberCheck> = job.numbers.iter().filter(is_told).collect();
+    let is_shown = |number: &&NumberCheck| number.differs || job.verdict == Verdict::Drifted;
+    let mut shown: Vec<&NumberCheck> = job.numbers.iter().filter(is_shown).collect();
     let size = |number: &NumberCheck| number.standard_errors.map_or(f64::INFINITY, f64::abs);
-    told.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    for number in told.iter().take(SHOWN) {
+    shown.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    for number in shown.iter().take(SHOWN) {
         text.push_str(&format!("  {}\n", escaped(&moved(number))));
     }
-    if told.len() > SHOWN {
-        text.push_str(&format!("  and {} more\n", told.len() - SHOWN));
+    if shown.len() > SHOWN {
+        text.push_str(&format!("  and {} more\n", shown.len() - SHOWN));
     }
-    if job.verdict == Verdict::Drifted && told.is_empty() {
+    if job.verdict == Verdict::Drifted && shown.is_empty() {
         text.push_str("  no key number moved: something else of the result did\n");
     }
     for number in job.numbers.iter().filter(|number| number.is_of_interest()) {

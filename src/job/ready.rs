@@ -101,20 +101,20 @@ impl Readiness {
         upstream: Upstream,
         take: impl Fn(&Value) -> Result<(), JobError> + Send + Sync + 'static,
     ) -> Self {
-        let taken = move |results: &[Arc<Value>]| -> Result<(), JobError> {
+        let use_first = move |results: &[Arc<Value>]| -> Result<(), JobError> {
             take(results.first().ok_or_else(|| JobError::Failed("a result is not there".to_owned()))?)
         };
         match self {
             Self::Ready(job) => {
                 let known = Arc::clone(&job);
-                let prepare = move |results: &[Arc<Value>]| taken(results).map(|()| Arc::clone(&job));
+                let prepare = move |results: &[Arc<Value>]| use_first(results).map(|()| Arc::clone(&job));
                 Self::after(vec![upstream], known, Box::new(prepare))
             }
             Self::After(deferred) => {
                 let Deferred { from, known, beside, prepare } = *deferred;
                 let from = std::iter::once(upstream).chain(from).collect();
                 let prepare: Prepare = Box::new(move |results| {
-                    taken(results)?;
+                    use_first(results)?;
                     prepare(results.get(1..).unwrap_or_default())
                 });
                 Self::After(Box::new(Deferred { from, known, beside, prepare }))

@@ -1,6 +1,6 @@
 //! A posterior as prior: draws of several parameters together, which stand in for their priors in another job.
 //!
-//! What samples the prior takes whole draws, so that correlations, bounds and bent shapes stay as they were; what needs a
+//! What samples the prior takes whole draws, so that correlations, bounds and curved shapes stay as they were; what needs a
 //! density gets one from [`PosteriorPrior::density`], or is refused where none describes the draws.
 
 use std::collections::BTreeMap;

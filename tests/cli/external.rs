@@ -488,7 +488,7 @@ fn a_surrogate_gives_the_posterior_of_the_model_within_the_error_that_it_states(
 }
 
 #[test]
-fn a_surrogate_that_is_worse_than_the_readings_is_told_and_one_that_cannot_be_is_refused() {
+fn a_surrogate_that_is_worse_than_the_readings_is_reported_and_one_that_cannot_be_is_refused() {
     let with = |surrogate: &str| format!(r#"{COMMAND}, "surrogate": {surrogate}"#);
     let root = study(&with(r#"{"runs": 12, "rounds": 0}"#), r#""prior": {"propagate": {"samples": 64}}"#);
     let precise = pass(r#""prior": {"propagate": {"samples": 64}}"#).replace(r#"{"value": 0.5,"#, r#"{"value": 0.02,"#);

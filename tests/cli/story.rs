@@ -94,7 +94,7 @@ fn what_the_diagnosis_does_not_support_is_adopted_by_force_alone() {
 }
 
 #[test]
-fn the_heat_that_the_effect_carries_is_told_by_phase() {
+fn the_heat_that_the_effect_carries_is_stated_by_phase() {
     let root = hidden();
     let found: Value =
         serde_json::from_str(&printed(root.path(), &["diagnose", "hidden/pass-1.json", "--json"])).unwrap();

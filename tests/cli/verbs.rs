@@ -33,9 +33,9 @@ fn plan_tells_the_warnings_that_run_tells() {
         let start = said.find("warning").unwrap_or_else(|| panic!("{verb}: {said}"));
         said[start..].lines().take_while(|line| !line.contains("to run on")).collect::<Vec<_>>().join("\n")
     };
-    let told = warning("plan");
-    assert!(told.contains("65") && told.contains("plate/pass-1.json:"), "{told}");
-    assert_eq!(told, warning("run"));
+    let warned = warning("plan");
+    assert!(warned.contains("65") && warned.contains("plate/pass-1.json:"), "{warned}");
+    assert_eq!(warned, warning("run"));
 }
 
 #[test]

@@ -203,7 +203,7 @@ fn a_watched_study_is_served_to_one_browser_run_again_and_taken_further() {
 }
 
 #[test]
-fn a_job_that_failed_is_told_with_its_reason_and_data_below_target_are_seen() {
+fn a_job_that_failed_is_reported_with_its_reason_and_data_below_target_are_seen() {
     let root = plate();
     let study = root.path().join("plate");
     fs::create_dir(study.join("target")).unwrap();

@@ -441,7 +441,7 @@ fn a_removal_of_nothing() {
 
 #[test]
 fn a_field_that_a_sibling_job_has_is_called_by_its_name_here() {
-    for (job, written, told) in [
+    for (job, written, advice) in [
         ("calibrate", "samples", "did you mean `draws`?"),
         ("calibrate", "iterations", "did you mean `draws`?"),
         ("calibrate", "burn_in", "did you mean `warmup`?"),
@@ -457,7 +457,7 @@ fn a_field_that_a_sibling_job_has_is_called_by_its_name_here() {
         let entry = format!(r#""jobs": {{"own": {{"{job}": {{"{written}": 8}}}}, "#);
         study.edit("pass-1.json", r#""jobs": {"#, &entry);
         let said = study.said("pass-1.json");
-        assert!(said.contains(&format!("unknown field `{written}`")) && said.contains(told), "{told}: {said}");
+        assert!(said.contains(&format!("unknown field `{written}`")) && said.contains(advice), "{advice}: {said}");
     }
     // Outside of jobs only the object's own fields are named.
     let study = Study::new();

@@ -23,7 +23,7 @@ fn with_shroud() -> Study {
 }
 
 #[test]
-fn an_input_without_a_value_is_told() {
+fn an_input_without_a_value_is_reported() {
     let said = silent().said("pass-1.json");
     assert!(
         said.starts_with(
@@ -77,7 +77,7 @@ fn an_input_that_every_test_sets_must_be_said() {
 }
 
 #[test]
-fn an_input_of_some_windows_is_told_of_the_others() {
+fn an_input_of_some_windows_is_reported_of_the_others() {
     let study = Study::new();
     let windows = r#""windows": {"P1": {"file": "data/run.csv", "to": 60, "inputs": {"T_if": {"value": 20, "unit": "degC"}}},
         "P2": {"file": "data/run.csv"}},"#;
@@ -165,7 +165,7 @@ fn transient(initial: &str, run: &str) -> Study {
 const FAR: &str = "time [s],Q [W],box [degC]\n0,5,32\n60,5,31\n120,0,30.5\n180,0,30\n";
 
 #[test]
-fn a_start_apart_from_the_first_readings_is_told() {
+fn a_start_apart_from_the_first_readings_is_reported() {
     let start = r#"{"temperatures": {"all": {"value": 20, "unit": "degC"}}}"#;
     let said = transient(start, FAR).said("pass-1.json");
     assert!(said.starts_with("warning[start-apart]: the first readings of `balance` lie apart from its start temperatures: `box` 12 K above"), "{said}");
@@ -334,7 +334,7 @@ fn an_empty_name_is_said_to_be_one() {
 }
 
 #[test]
-fn an_unused_column_of_nearly_an_input_s_name_is_told() {
+fn an_unused_column_of_nearly_an_input_s_name_is_reported() {
     let study = silent();
     study.put("data/balance.csv", "phase,T_if [degC],Q [W],Ts [K],box [degC],panel [degC]\nP1,20,5,80,24.5,-20.25\nP2,0,5,80,5.5,1\nP3,40,8,80,47,1\n");
     let said = study.said("pass-1.json");
@@ -372,9 +372,9 @@ fn a_unit_in_which_the_values_would_lie_in_the_range_is_proposed_where_it_is_wri
     };
     let study = ranged("[0, 16]", ["12006", "0", "8003"]);
     let said = study.said("pass-1.json");
-    let told = "error[input-range]: `Q` is 12006 W, far outside its range, 0 W to 16 W; it is outside in another row too: its \
+    let expected = "error[input-range]: `Q` is 12006 W, far outside its range, 0 W to 16 W; it is outside in another row too: its \
                 unit is most likely `mW`, not `W`";
-    assert!(said.starts_with(told), "{said}");
+    assert!(said.starts_with(expected), "{said}");
     assert!(said.contains("study/data/balance.csv:1:19") && said.contains("study/data/balance.csv:2:7"), "{said}");
     // Where the pass states the unit, there.
     study.edit("pass-1.json", r#""held_out""#, r#""columns": {"Q": {"header": "Q [W]", "unit": "W"}}, "held_out""#);

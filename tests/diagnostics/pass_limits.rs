@@ -152,7 +152,7 @@ fn celsius_is_not_the_coulomb() {
         "phase,T_if [C],Q [W],box [C],panel [degC]\nP1,20,5,24.5,-20.25\nP2,0,5,5.5,1\nP3,40,8,47,1\n",
     );
     // The cause alone is said, where the unit is written, and nothing that follows from it.
-    let told = |places: &[&str]| {
+    let reports = |places: &[&str]| {
         let said = study.said("pass-1.json");
         assert_eq!((said.matches("error[").count(), said.matches("warning[").count()), (places.len(), 0), "{said}");
         assert_eq!(said.matches("error[coulomb]: `C` is the coulomb").count(), places.len(), "{said}");
@@ -161,10 +161,10 @@ fn celsius_is_not_the_coulomb() {
             assert!(said.contains(place), "{place}: {said}");
         }
     };
-    told(&["study/model.json:2:", "study/pass-1.json:3:"]);
+    reports(&["study/model.json:2:", "study/pass-1.json:3:"]);
     study.edit("model.json", r#""unit": "C""#, r#""unit": "degC""#);
     study.edit("pass-1.json", r#""unit": "C""#, r#""unit": "degC""#);
-    told(&["study/data/balance.csv:1:7", "study/data/balance.csv:1:22"]);
+    reports(&["study/data/balance.csv:1:7", "study/data/balance.csv:1:22"]);
     // In a product it stands for a difference; a charge has another name.
     let study = Study::new();
     study.edit("model.json", r#""unit": "W/K""#, r#""unit": "W/C""#);

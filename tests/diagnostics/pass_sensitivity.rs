@@ -30,7 +30,7 @@ fn settings_have_defaults_and_quantities_follow_the_requirements() {
 }
 
 #[test]
-fn wrong_settings_are_told_at_their_place() {
+fn wrong_settings_are_reported_at_their_place() {
     for (job, expected) in [
         (r#"{"sensitivity": {"samples": 1000}}"#, "1000 Sobol points are rounded up to 1024"),
         (r#"{"sensitivity": {"samples": 1}}"#, "1 sample"),

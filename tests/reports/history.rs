@@ -44,7 +44,7 @@ fn history() -> History {
 }
 
 #[test]
-fn the_fall_is_told_in_words_numbers_and_three_curves() {
+fn the_fall_is_stated_in_words_numbers_and_three_curves() {
     let sample = steady();
     let mut report = sample.report();
     report.history = Some(history());
@@ -95,9 +95,9 @@ fn errors_of_other_readings_are_not_held_against_one_another() {
     report.history = Some(other);
     let markdown = render(&report).expect("renders").markdown.replace('\u{A0}', " ");
     let section = section(&markdown, "history");
-    let told = "held-out error 3.60 K with sink-offset:&lt;plate&gt; at nominal size, held-out error 0.30 K tuned, on other readings than \
+    let stated = "held-out error 3.60 K with sink-offset:&lt;plate&gt; at nominal size, held-out error 0.30 K tuned, on other readings than \
                 those of `pass-2.json`";
-    assert!(section.replace("\\-", "-").contains(told), "{section}");
+    assert!(section.replace("\\-", "-").contains(stated), "{section}");
     assert!(!section.contains("1.90 K → 0.30 K") && !section.contains("1.90 K \\-\\> 0.30"), "{section}");
 }
 

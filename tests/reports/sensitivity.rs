@@ -97,7 +97,7 @@ fn ties_are_said_and_constants_named() {
 }
 
 #[test]
-fn failures_are_told_with_what_they_could_do() {
+fn failures_are_stated_with_what_they_could_do() {
     let report = rendered(&with(true));
     for text in ["3 of 5000 solves failed", "it is singular", "0.577 to 0.777"] {
         assert!(report.markdown.contains(text), "{text}");

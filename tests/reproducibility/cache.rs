@@ -91,7 +91,7 @@ fn what_stays_after_pruning_is_still_a_cached_result() {
 }
 
 #[test]
-fn what_cannot_be_stored_is_used_and_told_once() {
+fn what_cannot_be_stored_is_used_and_reported_once() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("cache");
     fs::write(&root, "a file where the folder should be").unwrap();
@@ -101,7 +101,7 @@ fn what_cannot_be_stored_is_used_and_told_once() {
     let stored = run(&plan, &Cache::new(folder.path().join("other")), 1);
     assert_eq!(summary.finished("sum").unwrap().stored, stored.finished("sum").unwrap().stored);
     let heard = heard.0.lock().unwrap();
-    let told: Vec<_> = heard.iter().filter(|event| matches!(event, Event::NotStored { .. })).collect();
-    let [Event::NotStored { reason }] = told.as_slice() else { panic!("{told:?}") };
+    let reported: Vec<_> = heard.iter().filter(|event| matches!(event, Event::NotStored { .. })).collect();
+    let [Event::NotStored { reason }] = reported.as_slice() else { panic!("{reported:?}") };
     assert!(reason.starts_with("cannot make the folder `") && reason.contains("cache/objects"), "{reason}");
 }

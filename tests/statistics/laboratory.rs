@@ -60,7 +60,7 @@ fn check(case: &Case, size: f64) {
         let sensors = measurement.sensors.len();
         for (place, (reading, clean)) in measurement.readings.iter().zip(clean).enumerate() {
             let Some(reading) = reading else { continue };
-            let sigma = measurement.sensors[place % sensors].sigma.as_ref().expect("told").nominal();
+            let sigma = measurement.sensors[place % sensors].sigma.as_ref().expect("stated").nominal();
             chi_square += (reading - clean) * (reading - clean) / (sigma * sigma);
             count += 1;
         }
@@ -142,7 +142,7 @@ fn what_cannot_be_hidden_is_refused() {
 /// Rivals of a conductive path in a steady test with shroud and plate moved: a case with the truth's own candidate
 /// refitted leaves nothing, so that the nearest rival alone decides.
 #[test]
-fn rivals_are_told_with_their_distance() {
+fn rivals_are_stated_with_their_distance() {
     let catalogue = catalogue();
     let request =
         InjectionRequest { only: Some("conductive-path".to_owned()), size: Some(2.0), ..InjectionRequest::default() };

@@ -11,7 +11,7 @@ use bmv::statistics::quantile::{quantile_sorted, sorted};
 const DRAWS: usize = 500;
 const STATISTICS: [&str; 5] = ["mean", "sd", "q05", "q95", "covariance"];
 
-/// A run: two correlated quantities, autocorrelated as `x' = a x + e`, the first bent by a half of its square where skewed.
+/// A run: two correlated quantities, autocorrelated as `x' = a x + e`, the first with a half of its square added where skewed.
 fn run(index: u64, autocorrelation: f64, is_skewed: bool) -> [Vec<Vec<f64>>; 2] {
     let key = StreamKey::new(11, "monte carlo", "chains");
     let step = (1.0 - autocorrelation * autocorrelation).sqrt();

@@ -61,10 +61,10 @@ fn errors(deviations: &[Vector2<f64>], noise: &Matrix2<f64>) -> Vec<f64> {
     let precision = Matrix2::identity() / (PRIOR_SD_W * PRIOR_SD_W) + curvature * FITTED as f64;
     let covariance = precision.try_inverse().expect("invertible");
     let pull: Vector2<f64> = deviations[..FITTED].iter().map(|own| a.transpose() * weight * own).sum();
-    let bent = curvature * covariance;
+    let product = curvature * covariance;
     let error = |own: &Vector2<f64>| {
         let gradient = a.transpose() * weight * (own - a * covariance * pull);
-        let scatter = gradient.dot(&(covariance * gradient)) + 0.5 * (bent * bent).trace();
+        let scatter = gradient.dot(&(covariance * gradient)) + 0.5 * (product * product).trace();
         (libm::expm1(scatter) / 400.0).sqrt()
     };
     deviations.iter().map(error).collect()

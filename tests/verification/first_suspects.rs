@@ -97,7 +97,7 @@ fn a_prior_that_excludes_the_truth_is_named_before_any_effect() {
     let output = study.diagnosed();
     let said = (output.verdict, output.selected.as_slice());
     assert_eq!(said, (Verdict::Identified, &["prior-of:G".to_owned()][..]), "{:?}", output.words);
-    let own = output.effects.iter().find(|effect| effect.id == "prior-of:G").expect("told");
+    let own = output.effects.iter().find(|effect| effect.id == "prior-of:G").expect("listed");
     let fitted = &own.amplitudes["G"];
     assert!((fitted.value - 0.35).abs() < 3.0 * fitted.sd && fitted.sd < 0.01, "{fitted:?}");
     assert!(output.words[1].starts_with("A prior is too narrow") && output.words[1].contains("0.450 to 0.550 W/K"));
@@ -140,7 +140,7 @@ fn nothing_is_said_of_priors_that_hold_the_truth() {
 fn a_load_taken_back_twice_over_is_a_sign_error() {
     let effects = r#"{"effects": ["input-proportional-load", "heat-load", "sensor-bias"]}"#;
     let output = Study::steady("[0.3, 0.7]", "-Q", TRUE, [0.1, 0.1], effects).diagnosed();
-    let own = output.effects.iter().find(|effect| effect.id == "input-proportional-load:plate:Q").expect("told");
+    let own = output.effects.iter().find(|effect| effect.id == "input-proportional-load:plate:Q").expect("listed");
     let said = |hint: &String| hint.contains("`heater`") && hint.contains("sign error");
     assert!(own.hints.iter().any(said), "{:?} {:?}", own.hints, own.amplitudes);
     assert!(output.words.iter().any(|word| word.contains("sign error")), "{:?}", output.words);
@@ -150,11 +150,11 @@ fn a_load_taken_back_twice_over_is_a_sign_error() {
 fn a_load_of_418_times_its_size_is_a_wrong_unit() {
     let effects = r#"{"effects": ["input-proportional-load", "heat-load", "sensor-bias"]}"#;
     let output = Study::steady("[0.499, 0.501]", "Q", [0.5, 0.3, 4.1868], [0.02, 0.02], effects).diagnosed();
-    let own = output.effects.iter().find(|effect| effect.id == "input-proportional-load:plate:Q").expect("told");
+    let own = output.effects.iter().find(|effect| effect.id == "input-proportional-load:plate:Q").expect("listed");
     assert!(own.hints.iter().any(|hint| hint.contains("cal for J")), "{:?} {:?}", own.hints, own.amplitudes);
     // At 1.5 times nothing is known of it but that it acts as the load does.
     let output = Study::steady("[0.499, 0.501]", "Q", [0.5, 0.3, 1.5], [0.02, 0.02], effects).diagnosed();
-    let own = output.effects.iter().find(|effect| effect.id == "input-proportional-load:plate:Q").expect("told");
+    let own = output.effects.iter().find(|effect| effect.id == "input-proportional-load:plate:Q").expect("listed");
     assert!(own.hints.len() == 1 && own.hints[0].contains("Check that number first"), "{:?}", own.hints);
 }
 
@@ -223,7 +223,7 @@ fn a_node_that_begins_to_store_heat_starts_in_balance_and_is_found() {
     let output = study.diagnosed();
     assert_eq!(output.selected, ["thermal-mass:mli"], "{:?} {:?}", output.words, output.warnings);
     let capacity =
-        &output.effects.iter().find(|own| own.id == "thermal-mass:mli").expect("told").amplitudes["capacity"];
+        &output.effects.iter().find(|own| own.id == "thermal-mass:mli").expect("listed").amplitudes["capacity"];
     assert!((capacity.value - 150.0).abs() < 4.0 * capacity.sd + 1.0, "{capacity:?}");
     // Adopted, with no start of its own, it starts in balance too.
     let adopted = r#"{"format": "bmv-pass/1", "title": "Blanket", "parent": "pass-1.json", "seed": 3, "adopt": {"mass": {"effect": {"thermal-mass":

@@ -113,7 +113,7 @@ fn margins_are_those_of_a_computation_apart() {
 }
 
 #[test]
-fn a_bias_a_program_that_dominates_and_rows_without_a_program_are_told() {
+fn a_bias_a_program_that_dominates_and_rows_without_a_program_are_reported() {
     let row = |program: &str, difference_k: f64| bmv::job::margins_from_history::Comparison {
         class: String::new(),
         program: program.to_owned(),

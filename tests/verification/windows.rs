@@ -77,7 +77,7 @@ fn a_plateau_that_drifts_is_named_by_plan_compare_and_diagnose() {
     assert_eq!(pass.warnings.plain()[0].code, "not-stabilised");
     for (name, readiness) in bmv::job::ready(&pass) {
         let Readiness::Ready(job) = readiness else { panic!("{name}") };
-        let told: Vec<String> = if name == "delivered" {
+        let stated: Vec<String> = if name == "delivered" {
             let output: bmv::job::compare::Output = run(job.as_ref());
             let drifting: Vec<&str> = (output.stabilisation.iter())
                 .filter(|check| check.stabilised == Some(false))
@@ -90,7 +90,7 @@ fn a_plateau_that_drifts_is_named_by_plan_compare_and_diagnose() {
             assert_eq!(output.doubts, *doubts);
             output.before_the_verdict()
         };
-        let is_told = told.iter().any(|line| line.contains(&doubts[0].message));
-        assert!(is_told, "{name}: {told:?}");
+        let is_stated = stated.iter().any(|line| line.contains(&doubts[0].message));
+        assert!(is_stated, "{name}: {stated:?}");
     }
 }

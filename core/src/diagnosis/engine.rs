@@ -38,9 +38,9 @@ const EXCHANGES: usize = 4;
 const SINGLES_AGAIN: usize = 15;
 /// Single effects that are fitted where no test finds anything.
 const SINGLES_OF_NOTHING: usize = 10;
-/// Single effects that are fitted beside those where the screening of a bent model says so.
+/// Single effects that are fitted beside those where the screening of a model at the edge of its priors says so.
 const SINGLES_AT_PRIOR_MEDIANS: usize = 12;
-/// A parameter this near the ends of its prior, as a probability, bends the model.
+/// A parameter this near the ends of its prior, as a probability, distorts the model.
 const PRIOR_EDGE: f64 = 0.02;
 /// Starts of the baseline model.
 const STARTS: usize = 8;
@@ -476,19 +476,19 @@ impl Diagnosis {
         }
     }
 
-    /// What stands out where the parameters are at the medians of their priors, if the fit bends them far from there: about
-    /// a fit that a strong effect has bent, its linearisation may not look like it any more. The starts hold the parameters.
+    /// What stands out where the parameters are at the medians of their priors, if the fit drives them far from there: about
+    /// a fit that a strong effect has distorted, its linearisation may not look like it any more. The starts hold the parameters.
     pub(crate) fn leads_at_prior_medians(&self, problem: &Problem, baseline: &Refit) -> Result<Vec<Lead>, FitError> {
         let likelihood = self.likelihood(problem)?;
         let mut at_medians = baseline.clone();
-        let mut bent = false;
+        let mut is_at_edge = false;
         // Of the baseline model: effects that were added stay as they were fitted.
         let model = self.problem.parameters.len();
         for (value, prior) in at_medians.unknowns.iter_mut().zip(likelihood.priors()).take(model) {
-            bent |= *value <= prior.quantile(PRIOR_EDGE) || *value >= prior.quantile(1.0 - PRIOR_EDGE);
+            is_at_edge |= *value <= prior.quantile(PRIOR_EDGE) || *value >= prior.quantile(1.0 - PRIOR_EDGE);
             *value = prior.quantile(0.5);
         }
-        if !bent {
+        if !is_at_edge {
             return Ok(Vec::new());
         }
         let mut leads = self.leads_beside(problem, &at_medians)?;
@@ -521,7 +521,7 @@ impl Diagnosis {
             start.extend(request_start.iter().map(|(name, value)| (name.clone(), *value)));
             start
         });
-        // Where something is missing, the baseline model may be bent far from where its parameters are with the effect.
+        // Where something is missing, the baseline model may be driven far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
         let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();
         // Effects that can only harm, as an exchange of channels, need not be fitted to the end.

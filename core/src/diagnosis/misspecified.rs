@@ -194,7 +194,7 @@ impl Diagnosis {
     }
 
     /// Orders the laws of whole groups, of no input before those of one, and in a small network those of single nodes: about a
-    /// fit that a strong effect has bent their linearisation tells little.
+    /// fit that a strong effect has distorted their linearisation tells little.
     pub(crate) fn order_plain_laws(&self, state: &mut State) {
         let candidates = &self.problem().candidates;
         let inputs = |place: usize| candidates[place].bound.len();

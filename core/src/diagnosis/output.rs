@@ -279,8 +279,8 @@ pub struct NoiseResult {
     /// Standard deviation of the model error that is allowed for beside it, SI.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_error: Option<f64>,
-    /// Standard deviation with which a reading counts, SI, where a model error is allowed for: larger than that of both,
-    /// since a model's errors are alike in readings that follow one another.
+    /// Error of an independent reading of the same weight, as a standard deviation, SI, where a model error is allowed for:
+    /// larger than that of both, since a model's errors are nearly the same in many successive readings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts_as: Option<f64>,
     /// Correlation time, s.

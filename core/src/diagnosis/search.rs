@@ -303,7 +303,7 @@ impl Diagnosis {
         }
     }
 
-    /// Orders probable sets without each of their members, where these were not fitted: what a member explains is told beside
+    /// Orders probable sets without each of their members, where these were not fitted: what a member explains is known beside
     /// the others.
     pub fn order_without_members(&self, state: &mut State) {
         let weights = posterior_odds(self.problem(), &state.refits, None);

@@ -14,6 +14,8 @@ written_struct! {
         required format: String,
         /// Title, for people.
         required title: String,
+        /// Title where it acts on all thermometers of a test at once, which may mean something else.
+        optional title_of_all_thermometers: String,
         /// Heading under which `bmv effects` lists it.
         default(Family::Other) family: Family,
         /// Its name, as `bmv effects NAME --json` prints it; the name of the file is what counts.

@@ -361,7 +361,7 @@ impl Like<'_> {
         }
     }
 
-    /// Runs a function of one argument, told the instruction's table.
+    /// Runs a function of one argument, given the instruction's table.
     #[inline]
     fn each<V: Lanes>(&self, file: &mut [V], function: impl Fn(u32, f64) -> f64) {
         for (position, instruction) in self.instructions.iter().enumerate() {

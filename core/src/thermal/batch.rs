@@ -231,8 +231,8 @@ impl Network {
         let own = &mut batch.own[lane];
         let (parameters, inputs) = (0..equations.parameters, equations.parameters..equations.time());
         // What follows from parameters that did not change since the lane's last solve is not computed again.
-        own.stale_parameters |= taken(&mut own.state.file[parameters.clone()], &batch.state.file[parameters], lane);
-        taken(&mut own.state.file[inputs.clone()], &batch.state.file[inputs], lane);
+        own.stale_parameters |= copied(&mut own.state.file[parameters.clone()], &batch.state.file[parameters], lane);
+        copied(&mut own.state.file[inputs.clone()], &batch.state.file[inputs], lane);
         // The boundaries, too, are filled in anew.
         own.stale_inputs = true;
         if let Start::Current = start {
@@ -273,8 +273,8 @@ impl Network {
     }
 }
 
-/// Takes over the values of a lane; whether any of them is another.
-fn taken<const N: usize>(own: &mut [f64], lanes: &[[f64; N]], lane: usize) -> bool {
+/// Copies the values of a lane; whether any of them is another.
+fn copied<const N: usize>(own: &mut [f64], lanes: &[[f64; N]], lane: usize) -> bool {
     let mut changed = false;
     for (slot, lanes) in own.iter_mut().zip(lanes) {
         changed |= slot.to_bits() != lanes[lane].to_bits();

@@ -236,7 +236,7 @@ fn detection<'a>(trials: impl Iterator<Item = &'a Trial> + Clone) -> Detection {
 /// Scores trials; their order is of no account but for the last digits of means.
 pub fn score(trials: &[Trial]) -> Score {
     let nulls = || trials.iter().filter(|trial| trial.truth.is_null());
-    let as_told = |trial: &&Trial| trial.truth.noise == NoiseTruth::AsStated;
+    let as_stated = |trial: &&Trial| trial.truth.noise == NoiseTruth::AsStated;
     let outside = || trials.iter().filter(|trial| trial.truth.outside.is_some());
     let stands = |trial: &Trial| {
         let names = trial.truth.outside.as_ref().map(super::truth::Outside::stands_for).unwrap_or_default();
@@ -245,8 +245,8 @@ pub fn score(trials: &[Trial]) -> Score {
     let unexplained = |trial: &Trial| trial.answer.verdict == Verdict::Unexplained;
     Score {
         cases: trials.len() as u64,
-        false_alarms_stated_noise: Rate::of(nulls().filter(as_told).map(Trial::found)),
-        false_alarms_correlated: Rate::of(nulls().filter(|trial| !as_told(trial)).map(Trial::found)),
+        false_alarms_stated_noise: Rate::of(nulls().filter(as_stated).map(Trial::found)),
+        false_alarms_correlated: Rate::of(nulls().filter(|trial| !as_stated(trial)).map(Trial::found)),
         false_alarms: Rate::of(nulls().map(Trial::found)),
         sizes: sizes(trials),
         effects: effects(trials),

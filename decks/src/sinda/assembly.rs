@@ -163,7 +163,7 @@ fn tool(blocks: &[Block<'_>]) -> String {
 }
 
 impl Assembly {
-    /// Hands the lines of all blocks of a kind on; of a line that is refused the place is told.
+    /// Hands the lines of all blocks of a kind on; of a line that is refused the place is reported.
     fn read(
         &mut self,
         blocks: &[Block<'_>],

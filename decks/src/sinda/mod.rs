@@ -29,7 +29,7 @@ use crate::{Deck, DeckError};
 
 pub use result::read_result;
 
-/// Most errors that are told of one deck.
+/// Most errors that are reported of one deck.
 const MOST_ERRORS: usize = 50;
 
 /// A text file of a deck.

@@ -36,7 +36,7 @@ impl Method {
         }
     }
 
-    /// What an engineer should be told.
+    /// What an engineer should know.
     pub fn note(self, capacity_j_per_k: f64) -> Note {
         let message = match self {
             Self::Pairs => format!(

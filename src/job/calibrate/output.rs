@@ -284,7 +284,7 @@ pub struct Output {
     pub most_probable: MostProbable,
     /// The tuned state, SI: the most probable value of every unknown, then the value at which each other parameter of the
     /// model was held. It is a point at which the model was run, also
-    /// where the posterior is bent or has several modes, which the mean need not be.
+    /// where the posterior is curved or has several modes, which the mean need not be.
     pub tuned: Vec<(String, f64)>,
     /// What the reader must know about parameters: at a bound, unseen, acting only together.
     pub findings: Vec<String>,

@@ -146,7 +146,7 @@ impl Search<'_> {
             };
             let free: Vec<usize> = (0..values.len()).filter(is_free).collect();
             let count = free.len();
-            let mut taken = None;
+            let mut accepted = None;
             while count > 0 && damping < MOST_DAMPING {
                 let mut normal = vec![0.0; count * count];
                 for (i, &a) in free.iter().enumerate() {
@@ -165,13 +165,13 @@ impl Search<'_> {
                     }
                     let own = (self.deviations)(&tried);
                     if squares(&own) < misfit {
-                        taken = Some((tried, own));
+                        accepted = Some((tried, own));
                         break;
                     }
                 }
                 damping *= 10.0;
             }
-            let Some((tried, own)) = taken else { break };
+            let Some((tried, own)) = accepted else { break };
             damping = (damping * 0.1).max(1e-12);
             let gain = misfit - squares(&own);
             (values, deviations) = (tried, own);

@@ -1,8 +1,8 @@
-//! Which law a sensor's discrepancy has: all laws fitted and scored, the simplest that does about as well as the best taken; or
+//! Which law a sensor's discrepancy has: all laws fitted and scored, the simplest that does about as well as the best chosen; or
 //! the one that was inferred together with the parameters.
 //!
 //! A law is scored by the log densities of readings left out, with hyperparameters that did not see them. A more complex one is
-//! taken only where it is ahead of the simpler one by more than the standard error of the difference, reading by reading (the
+//! chosen only where it is ahead of the simpler one by more than the standard error of the difference, reading by reading (the
 //! rule of one standard error, Breiman et al. 1984, Classification and Regression Trees, section 3.4.3).
 
 use super::expected::scaled;
@@ -68,7 +68,7 @@ impl Question<'_> {
             fitted_laws.extend(fitted);
         }
         compare(&mut scores, &fitted_laws);
-        let (taken, because) = match self.law {
+        let (chosen, because) = match self.law {
             Some(law) => {
                 let refused = scores.iter().find(|own| own.law == law).and_then(|own| own.refused.clone());
                 if let Some(reason) = refused {
@@ -84,22 +84,22 @@ impl Question<'_> {
         };
         let free = fitted_laws.iter().find(|fitted| fitted.law == Law::GaussianProcess);
         let free = free.map(|free| (free.form, free.fit.hyperparameters.clone()));
-        let position = fitted_laws.iter().position(|fitted| fitted.law == taken);
-        let taken = position.map(|position| fitted_laws.swap_remove(position));
-        let taken = taken.ok_or_else(|| "no law can be fitted to the residuals".to_owned())?;
+        let position = fitted_laws.iter().position(|fitted| fitted.law == chosen);
+        let chosen = position.map(|position| fitted_laws.swap_remove(position));
+        let chosen = chosen.ok_or_else(|| "no law can be fitted to the residuals".to_owned())?;
         let mut findings = Vec::new();
-        let (draws, r_hat) = self.draws(training, &taken, &mut findings);
+        let (draws, r_hat) = self.draws(training, &chosen, &mut findings);
         Ok(Chosen {
-            law: taken.law,
-            form: taken.form,
+            law: chosen.law,
+            form: chosen.form,
             because,
             scores,
             draws,
             r_hat,
-            central: taken.fit.hyperparameters,
-            at_bound: taken.fit.at_bound,
-            descents: taken.fit.descents,
-            left_out: taken.left_out,
+            central: chosen.fit.hyperparameters,
+            at_bound: chosen.fit.at_bound,
+            descents: chosen.fit.descents,
+            left_out: chosen.left_out,
             free,
             findings,
         })
@@ -194,13 +194,13 @@ impl Question<'_> {
     }
 
     /// Draws of the hyperparameters, or the fitted ones.
-    fn draws(&self, training: &Training, taken: &Fitted, findings: &mut Vec<String>) -> (Vec<Vec<f64>>, Option<f64>) {
-        let fitted = vec![taken.fit.hyperparameters.clone()];
-        if !self.sampled || taken.fit.hyperparameters.is_empty() {
+    fn draws(&self, training: &Training, chosen: &Fitted, findings: &mut Vec<String>) -> (Vec<Vec<f64>>, Option<f64>) {
+        let fitted = vec![chosen.fit.hyperparameters.clone()];
+        if !self.sampled || chosen.fit.hyperparameters.is_empty() {
             return (fitted, None);
         }
-        let priors = hyperparameters::priors(training, &taken.form, self.beforehand);
-        match hyperparameters::sample(training, &taken.form, priors, &taken.fit.hyperparameters, &self.key) {
+        let priors = hyperparameters::priors(training, &chosen.form, self.beforehand);
+        match hyperparameters::sample(training, &chosen.form, priors, &chosen.fit.hyperparameters, &self.key) {
             Ok(sampled) => {
                 if !sampled.r_hat.is_some_and(|r_hat| r_hat <= LARGEST_R_HAT) {
                     let text = sampled.r_hat.map_or_else(|| "has no value".to_owned(), two);
@@ -234,18 +234,18 @@ fn compare(scores: &mut [LawScore], fitted: &[Fitted]) {
 
 /// The simplest law that is not behind the best by more than the standard error of the difference.
 fn choose(scores: &[LawScore]) -> Option<(Law, String)> {
-    let taken =
+    let chosen =
         scores.iter().find(|own| own.behind.zip(own.behind_se).is_some_and(|(behind, error)| behind <= error))?;
-    let best = scores.iter().find(|own| own.behind == Some(0.0)).unwrap_or(taken);
-    let because = if taken.law == best.law {
+    let best = scores.iter().find(|own| own.behind == Some(0.0)).unwrap_or(chosen);
+    let because = if chosen.law == best.law {
         "it predicts readings left out best".to_owned()
     } else {
         format!(
             "the simplest that predicts readings left out about as well as the best ({}), {} behind with a standard error of {}",
             best.law.words(),
-            two(taken.behind.unwrap_or(0.0)),
-            two(taken.behind_se.unwrap_or(0.0))
+            two(chosen.behind.unwrap_or(0.0)),
+            two(chosen.behind_se.unwrap_or(0.0))
         )
     };
-    Some((taken.law, because))
+    Some((chosen.law, because))
 }

@@ -131,15 +131,15 @@ impl Question<'_> {
         Ok((answer, information))
     }
 
-    fn by_name(&self, taken: &Chosen, processes: &[Process], draws: &[Vec<f64>]) -> Vec<Hyperparameter> {
+    fn by_name(&self, chosen: &Chosen, processes: &[Process], draws: &[Vec<f64>]) -> Vec<Hyperparameter> {
         let unit = self.names[2];
         let exp = crate::math::functions::exp;
         let mut named = Vec::new();
         let widths: Vec<f64> = self.ranges.iter().map(|range| range.upper - range.lower).collect();
-        let lengths = if taken.form.kernel.is_some() { widths.len() } else { 0 };
-        for (place, fitted) in taken.central.iter().enumerate() {
-            let is_length = taken.form.kernel.is_some() && (1..=lengths).contains(&place);
-            let is_size = place == 0 && taken.form.kernel.is_some();
+        let lengths = if chosen.form.kernel.is_some() { widths.len() } else { 0 };
+        for (place, fitted) in chosen.central.iter().enumerate() {
+            let is_length = chosen.form.kernel.is_some() && (1..=lengths).contains(&place);
+            let is_size = place == 0 && chosen.form.kernel.is_some();
             let is_scatter = !(is_length || is_size);
             let value = |logarithm: f64| {
                 if is_length { exp(logarithm) * widths[place - 1] } else { exp(0.5 * logarithm) }
@@ -152,7 +152,7 @@ impl Question<'_> {
             };
             let column = sorted(&draws.iter().map(|draw| value(draw[place])).collect::<Vec<_>>());
             let interval = (draws.len() > 1).then(|| [0.025, 0.975].map(|share| quantile_sorted(&column, share)));
-            let at_bound = taken.at_bound.contains(&place);
+            let at_bound = chosen.at_bound.contains(&place);
             named.push(Hyperparameter { name, unit, value: value(*fitted), interval, at_bound });
         }
         let coefficients = processes.first().map_or(0, |process| process.trend().len());

@@ -59,7 +59,8 @@ pub struct Residuals {
     /// Slopes with the unknowns, reading by reading.
     pub slopes: Vec<Vec<f64>>,
     /// Root mean square of what the slopes leave of each residual over the draws.
-    pub bent: Vec<f64>,
+    #[serde(alias = "bent")]
+    pub nonlinear: Vec<f64>,
     /// Draws that were used, and those without a solution.
     pub draws: [u64; 2],
 }
@@ -94,7 +95,7 @@ impl Residuals {
                 cholesky::solve(&factor, &mut side);
                 varied.iter().zip(side).for_each(|(&a, slope)| slopes[a] = slope / sds[a]);
             }
-            let bent = mean(&|d| {
+            let nonlinear = mean(&|d| {
                 let along: f64 = (0..p).map(|a| slopes[a] * (draws[d][a] - centres[a])).sum();
                 let left = residuals[d][reading] - centre - along;
                 left * left
@@ -102,7 +103,7 @@ impl Residuals {
             let square = |d: usize| (residuals[d][reading] - centre) * (residuals[d][reading] - centre);
             found.sds.push(mean(&square).sqrt());
             found.slopes.push(slopes);
-            found.bent.push(bent.sqrt());
+            found.nonlinear.push(nonlinear.sqrt());
         }
         found.means = means;
         found.covariance = covariance;

@@ -30,7 +30,7 @@ const WIDER: f64 = 1.25;
 /// Shift in standard deviations beyond which it does.
 const SHIFTED: f64 = 1.0;
 /// Part of a residual that is not linear in the unknowns, in standard deviations of the noise, that is warned of.
-const BENT: f64 = 0.5;
+const NONLINEAR: f64 = 0.5;
 
 /// The part of a calibration's result that is used.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -402,17 +402,17 @@ impl Discrepancy {
             });
         }
         let mut worst: Option<f64> = None;
-        for (reading, bent) in self.readings.iter().zip(&residuals.bent) {
+        for (reading, nonlinear) in self.readings.iter().zip(&residuals.nonlinear) {
             let noise = self.measurements[reading.measurement].sensors[reading.sensor].total_sd();
             if noise > 0.0 {
-                worst = Some(worst.unwrap_or(0.0).max(bent / noise));
+                worst = Some(worst.unwrap_or(0.0).max(nonlinear / noise));
             }
         }
-        if let Some(bent) = worst.filter(|bent| *bent > BENT) {
+        if let Some(nonlinear) = worst.filter(|nonlinear| *nonlinear > NONLINEAR) {
             findings.push(format!(
                 "residuals are no linear functions of the unknowns over the posterior: up to {} standard deviations of the noise \
                  are left out of what a prediction adds to a draw",
-                two(bent)
+                two(nonlinear)
             ));
         }
         let converged = match &drawn {

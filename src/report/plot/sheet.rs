@@ -1,11 +1,11 @@
-//! The numbers behind a drawing, recorded while it is drawn: the CSV file beside it, and the values that a page tells at its places.
+//! The numbers behind a drawing, recorded while it is drawn: the CSV file beside it, and the values that a page shows at its places.
 
 use std::sync::Arc;
 
 use crate::report::csv;
 use crate::report::number::as_given;
 
-/// Most bytes of the values that a page tells; of more places an even choice is told.
+/// Most bytes of the values that a page shows; of more places an even choice is shown.
 pub const MOST_BYTES: usize = 16 << 10;
 
 /// What stands in a cell.
@@ -125,7 +125,7 @@ fn in_line(text: &str) -> String {
 pub struct Numbers {
     /// All of them as CSV, in full.
     pub csv: String,
-    /// What is told where: a line of headings between tabs, then lines of `x y` in pixels of the canvas and the values, in up to six
+    /// What is shown where: a line of headings between tabs, then lines of `x y` in pixels of the canvas and the values, in up to six
     /// digits. Empty where nothing has a place.
     pub values: String,
 }

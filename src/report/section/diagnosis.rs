@@ -140,12 +140,14 @@ fn amplitudes(effect: &EffectResult) -> String {
     let one = |(position, (name, value)): (usize, (&String, &Amount))| match position {
         0 => format!("{name} {}", amount(value)),
         _ if is_open(value) => format!("{name} open"),
+        _ if words::is_onset(name) => format!("{name} {}", amount(&words::as_time(value))),
         _ => format!("{name} {}", amount(value)),
     };
     if words::is_harmonic(effect) {
         return size(effect).map_or_else(String::new, |(name, size)| format!("{name} {size}"));
     }
-    let all: Vec<String> = effect.amplitudes.iter().enumerate().take(2).map(one).collect();
+    let (onset, sizes): (Vec<_>, Vec<_>) = effect.amplitudes.iter().partition(|(name, _)| words::is_onset(name));
+    let all: Vec<String> = sizes.into_iter().chain(onset).enumerate().take(2).map(one).collect();
     let more = effect.amplitudes.len().saturating_sub(2);
     if more > 0 { format!("{}; {more} more", all.join("; ")) } else { all.join("; ") }
 }
@@ -362,9 +364,9 @@ fn noise(output: &Output) -> Option<Block> {
         .collect();
     let (caption, columns) = if with_model_error {
         (
-            "Noise of the instruments and model error, as estimated beside what was found; a reading counts as one with white \
-             noise of the last column.",
-            [Column::number("Model error", "K"), Column::number("Counts as", "K")],
+            "Noise of the instruments and model error, as estimated beside what was found. A model error is nearly the same in \
+             many successive readings, so that one reading has only the weight of an independent one with the error of the last column.",
+            [Column::number("Model error", "K"), Column::number("Weight as of an error of", "K")],
         )
     } else {
         (

@@ -55,7 +55,7 @@ pub struct Driver<'a> {
     pub scheduler: &'a dyn Scheduler,
     /// The cache.
     pub cache: &'a Cache,
-    /// Who is told.
+    /// Who is informed.
     pub listener: &'a dyn Listener,
     /// How far it goes.
     pub mode: Mode,

@@ -465,9 +465,9 @@ impl Submission {
         let mut rest = bytes.as_slice();
         let head: StageHead = ciborium::from_reader(&mut rest).map_err(|error| damaged(error.to_string()))?;
         let mut take = |length: usize| {
-            let (taken, left) = rest.split_at_checked(length)?;
+            let (first, left) = rest.split_at_checked(length)?;
             rest = left;
-            Some(taken.to_vec())
+            Some(first.to_vec())
         };
         let state = take(head.state);
         let inputs: Option<Vec<Vec<u8>>> = head.inputs.into_iter().map(take).collect();

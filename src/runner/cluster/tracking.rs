@@ -74,7 +74,7 @@ pub(super) struct Array {
     glanced: Option<Instant>,
     pause: Duration,
     longest: Duration,
-    told: BTreeSet<String>,
+    reported: BTreeSet<String>,
 }
 
 impl Array {
@@ -89,7 +89,7 @@ impl Array {
             glanced: None,
             pause: FIRST_PAUSE.min(longest),
             longest,
-            told: BTreeSet::new(),
+            reported: BTreeSet::new(),
         }
     }
 
@@ -157,13 +157,13 @@ impl Array {
         let tasks = match scheduler.tasks(&self.job, &self.submission.run.name()) {
             Ok(tasks) => tasks,
             Err(error) => {
-                if self.told.insert("away".to_owned()) {
+                if self.reported.insert("away".to_owned()) {
                     tell(format!("{} does not answer, which changes nothing: {error}", scheduler.name()));
                 }
                 return false;
             }
         };
-        if self.told.remove("away") {
+        if self.reported.remove("away") {
             tell(format!("{} answers again", scheduler.name()));
         }
         let mut by_index: BTreeMap<usize, Task> = tasks.into_iter().map(|task| (task.index, task)).collect();
@@ -175,7 +175,7 @@ impl Array {
         let lasting: Vec<String> =
             open().filter_map(reason).filter(|reason| scheduler.wait(reason) == Wait::Lasting).collect();
         for reason in &lasting {
-            if self.told.insert(reason.clone()) {
+            if self.reported.insert(reason.clone()) {
                 tell(format!("array {}: tasks wait for what may not pass by itself: {reason}", self.job));
             }
         }

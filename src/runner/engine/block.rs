@@ -69,13 +69,20 @@ pub(in crate::runner) struct Blocks<'a> {
     /// Whether what cannot be stored is a failure.
     must_store: bool,
     /// Whether it was reported that something could not be stored.
-    told_not_stored: AtomicBool,
+    reported_not_stored: AtomicBool,
 }
 
 impl<'a> Blocks<'a> {
     /// Uses what is in the cache, and goes on where nothing can be stored.
     pub fn new(cache: &'a Cache, listener: &'a dyn Listener, keep_every: Duration) -> Self {
-        Self { cache, listener, force: false, keep_every, must_store: false, told_not_stored: AtomicBool::new(false) }
+        Self {
+            cache,
+            listener,
+            force: false,
+            keep_every,
+            must_store: false,
+            reported_not_stored: AtomicBool::new(false),
+        }
     }
 
     /// The same, running what is in the cache too.
@@ -128,7 +135,7 @@ impl<'a> Blocks<'a> {
     pub fn store(&self, kind: Kind, owner: &Key, name: &Key, payload: &[u8]) -> Result<(), RunnerError> {
         match self.cache.put(kind, owner, name, payload) {
             Err(error @ RunnerError::File { .. }) if !self.must_store => {
-                if !self.told_not_stored.swap(true, Ordering::Relaxed) {
+                if !self.reported_not_stored.swap(true, Ordering::Relaxed) {
                     self.listener.hear(&Event::NotStored { reason: error.to_string() });
                 }
                 Ok(())

@@ -37,8 +37,8 @@ impl Call<'_> {
             let detail = format!("{} of {} outputs were given back", numbers.len(), outputs.len());
             return Err(Failure::at("outputs are missing", detail));
         }
-        let taken = numbers.iter().zip(outputs).enumerate().map(|(place, (number, output))| {
-            let value = self.external.taken(place, *number);
+        let values = numbers.iter().zip(outputs).enumerate().map(|(place, (number, output))| {
+            let value = self.external.to_si(place, *number);
             // A unit whose zero is not that of SI is one of temperatures; differences are in kelvin.
             if output.unit.offset != 0.0 && value < 0.0 {
                 let unit = &output.unit.text;
@@ -50,6 +50,6 @@ impl Call<'_> {
             }
             Err(Failure::at("an output is no finite number", format!("`{}` is {number}", output.name)))
         });
-        taken.collect()
+        values.collect()
     }
 }

@@ -164,7 +164,7 @@ impl External {
     }
 
     /// The value in SI of a number that was given back.
-    pub fn taken(&self, place: usize, number: f64) -> f64 {
+    pub fn to_si(&self, place: usize, number: f64) -> f64 {
         match self.outputs.get(place) {
             Some(output) if !self.is_si => output.unit.to_si(number),
             _ => number,

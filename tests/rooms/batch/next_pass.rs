@@ -6,7 +6,7 @@ mod text;
 use bmv::batch::next_pass::renumbered;
 
 #[test]
-fn a_title_tells_the_new_number_where_it_told_the_old_one() {
+fn a_title_has_the_new_number_where_it_had_the_old_one() {
     for (title, expected) in [
         ("Pass 2: the model against the log", "Pass 3: the model against the log"),
         ("Bench, pass 2: as delivered", "Bench, pass 3: as delivered"),

@@ -40,3 +40,22 @@ fn what_only_stores_heat_shows_in_no_steady_phase() {
         assert!(!stores(name, place), "{name}");
     }
 }
+
+/// What sets in at a date and what sets in at a time into every run look alike in a pass of few runs.
+#[test]
+fn changes_at_a_date_and_into_every_run_name_one_another() {
+    let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+    let of = |clock| catalogue.effects().iter().filter(move |effect| effect.depends_on(clock));
+    let names = |one: &bmv::effect::Effect, other: &bmv::effect::Effect| {
+        one.form.confused_with.iter().any(|name| name.value == other.name)
+    };
+    let steps = ["load", "conductance", "bias"];
+    for dated in
+        of(bmv::thermal::Clock::Date).filter(|dated| steps.iter().any(|own| dated.name == format!("dated-{own}")))
+    {
+        assert!(of(bmv::thermal::Clock::Elapsed).any(|event| names(dated, event)), "{}", dated.name);
+        for event in of(bmv::thermal::Clock::Elapsed) {
+            assert_eq!(names(dated, event), names(event, dated), "{} and {}", dated.name, event.name);
+        }
+    }
+}

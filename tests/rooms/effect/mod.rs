@@ -3,3 +3,4 @@ mod catalogue;
 mod law;
 mod parameter;
 mod same_law;
+mod thermometers;

@@ -54,7 +54,7 @@ fn changed_missing_and_extra_files_are_found() {
 }
 
 #[test]
-fn missing_data_are_told_and_leave_the_report_intact() {
+fn missing_data_are_reported_and_leave_the_report_intact() {
     let (root, _) = report();
     fs::remove_file(root.path().join("model.json")).unwrap();
     let verification = verify(root.path());

@@ -26,7 +26,7 @@ fn a_document_needs_its_title_block_and_nothing_else() {
 }
 
 #[test]
-fn what_is_wrong_is_told_at_its_place() {
+fn what_is_wrong_is_reported_at_its_place() {
     let cases = [
         ("2026-06-30", "2026-06-31", "document.json:1:87", "`2026-06-31` is no day", "such as \"2026-06-30\""),
         ("\"P-1\"", "\" \"", "document.json:1:58", "the document has no number", "its number"),

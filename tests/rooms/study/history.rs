@@ -3,7 +3,7 @@
 use bmv::study::history::*;
 
 #[test]
-fn parents_are_told_first_and_branches_in_order_of_file() {
+fn parents_are_listed_first_and_branches_in_order_of_file() {
     let parents: Vec<Vec<String>> = [&["pass-3.json"][..], &["pass-3.json"], &[], &["pass-1.json", "pass-3.json"]]
         .iter()
         .map(|list| list.iter().map(|&name| name.to_owned()).collect())

@@ -23,7 +23,7 @@ fn alternating_noise_has_the_textbook_errors() {
     assert!((window.slope_error.expect("error") - (2.0_f64 / 5.0).sqrt()).abs() < 1e-15);
 }
 
-/// About its parabola a bent approach has no scatter, however much about its line.
+/// About its parabola a curved approach has no scatter, however much about its line.
 #[test]
 fn what_bends_is_no_noise() {
     let times: Vec<f64> = (0..8).map(f64::from).collect();

@@ -56,13 +56,13 @@ fn needed(state: &State, list: &[Source], norms: &[f64], without: f64) -> (Neede
         }
     }
     let price = ln((kinds.len() * SIZES.len()).max(1) as f64);
-    let (mut taken, mut chosen, mut highest): (Vec<(Kind, f64)>, Needed, f64) = (Vec::new(), Vec::new(), 0.0);
-    while taken.len() < MOST_KINDS {
+    let (mut kept, mut chosen, mut highest): (Vec<(Kind, f64)>, Needed, f64) = (Vec::new(), Vec::new(), 0.0);
+    while kept.len() < MOST_KINDS {
         let mut best: Option<(f64, (Kind, f64), Needed)> = None;
-        for &kind in kinds.iter().filter(|kind| !taken.iter().any(|(taken_kind, _)| taken_kind == *kind)) {
+        for &kind in kinds.iter().filter(|kind| !kept.iter().any(|(kept_kind, _)| kept_kind == *kind)) {
             for size in SIZES {
                 watch::check();
-                let with: Vec<(Kind, f64)> = taken.iter().copied().chain([(kind, size)]).collect();
+                let with: Vec<(Kind, f64)> = kept.iter().copied().chain([(kind, size)]).collect();
                 let needed_sources: Needed = (0..list.len())
                     .filter(|&place| norms[place] > 0.0)
                     .filter_map(|place| {
@@ -79,14 +79,14 @@ fn needed(state: &State, list: &[Source], norms: &[f64], without: f64) -> (Neede
         }
         match best {
             Some((gain, kind, best_needed)) if gain > highest => {
-                taken.push(kind);
+                kept.push(kind);
                 chosen = best_needed;
                 highest = gain;
             }
             _ => break,
         }
     }
-    let paid = taken.len() as f64 * price;
+    let paid = kept.len() as f64 * price;
     (chosen, paid)
 }
 
@@ -182,7 +182,7 @@ pub fn missing_heat(problem: &Problem, baseline: &Refit) -> Result<MissingHeat, 
     let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen)).ok_or(NoHeat::NotDetermined)?;
     // Biases alone are an effect of the catalogue, not something else.
     let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));
-    // Not as a difference to the baseline fit: where that is bent to sums of squares of 1e8, it is off by millions.
+    // Not as a difference to the baseline fit: where that is forced to sums of squares of 1e8, it is off by millions.
     let log_evidence = match has_heat {
         true => with + sources.constant(&state, baseline).ok_or(NoHeat::NotDetermined)? - price,
         false => f64::NEG_INFINITY,

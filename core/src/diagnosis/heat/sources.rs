@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::diagnosis::FitError;
 use crate::diagnosis::fits::refit::TOLERANCE_ON_FEWER_ROWS;
 use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::{Linear, Problem, Refit};
@@ -83,12 +84,12 @@ pub struct State {
 }
 
 /// Why heat of unknown origin is not known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoHeat {
     /// It would have too many sources.
     TooMany,
-    /// Sources cannot be put into the model.
-    NotMade,
+    /// Sources cannot be put into the model: where, and why.
+    NotMade(String),
     /// The model has no solution with it.
     NotSolved,
     /// The readings do not determine its size.
@@ -97,13 +98,13 @@ pub enum NoHeat {
 
 impl NoHeat {
     /// The reason, after a colon.
-    pub fn in_words(self) -> String {
+    pub fn in_words(&self) -> String {
         match self {
             Self::TooMany => format!(
                 "a source for each node and each phase (of a transient, each of {STRETCHES} stretches of every part) makes more than \
                  {MOST_SOURCES}"
             ),
-            Self::NotMade => "the model takes no source of heat in one of its nodes".to_owned(),
+            Self::NotMade(why) => format!("the model takes no source of heat: {why}"),
             Self::NotSolved => "the model has no solution with such heat".to_owned(),
             Self::NotDetermined => "the readings do not determine how much it is".to_owned(),
         }
@@ -116,8 +117,8 @@ impl Sources {
     /// # Errors
     /// They are too many, or cannot be made.
     pub fn new(problem: &Problem) -> Result<Self, NoHeat> {
-        let hypothesis = problem.hypothesis(&[], 1.0).map_err(|_| NoHeat::NotMade)?;
-        let likelihood = hypothesis.likelihood(problem).map_err(|_| NoHeat::NotMade)?;
+        let not_made = |error: FitError| NoHeat::NotMade(error.to_string());
+        let likelihood = problem.hypothesis(&[], 1.0).map_err(not_made)?.likelihood(problem).map_err(not_made)?;
         let mut all = Self { likelihood, fields: Vec::new(), list: Vec::new(), biases: Vec::new() };
         // What heat over a stretch of time does is seen well enough on fewer rows.
         let thinned = problem.thinned(TOLERANCE_ON_FEWER_ROWS);
@@ -160,13 +161,14 @@ impl Sources {
             .filter(|(_, datum)| datum.measurement == index)
             .map(|(position, datum)| (position, datum.row))
             .collect();
+        if data.is_empty() {
+            // All of it is held out or ignored: no heat is sought there.
+            return Ok(());
+        }
         match &measurement.rows {
             Rows::Steady(phases) => {
-                let names: Vec<String> = nodes
-                    .iter()
-                    .map(|&node| add_source(&mut model, node, 0, None))
-                    .collect::<Option<_>>()
-                    .ok_or(NoHeat::NotMade)?;
+                let names: Vec<String> =
+                    nodes.iter().map(|&node| add_source(&mut model, node, 0, None)).collect::<Result<_, _>>()?;
                 for (row, phase) in phases.iter().enumerate() {
                     let rows: Vec<usize> = data
                         .iter()
@@ -199,7 +201,7 @@ impl Sources {
                 for &node in &nodes {
                     for (stretch, (middle, width)) in stretches(measurement).into_iter().enumerate() {
                         let shape = format!("max(0, 1 - abs(t - {middle:e}) / {width:e})");
-                        names.push(add_source(&mut model, node, stretch, Some(&shape)).ok_or(NoHeat::NotMade)?);
+                        names.push(add_source(&mut model, node, stretch, Some(&shape))?);
                         let row = inputs.times_s.partition_point(|&time| time < middle);
                         let row = row.min(inputs.times_s.len().saturating_sub(1));
                         self.list.push(Source {
@@ -239,7 +241,7 @@ impl Sources {
             measurements: &[measurement],
             input_errors: &problem.input_errors,
         })
-        .map_err(|_| NoHeat::NotMade)?;
+        .map_err(|error| NoHeat::NotMade(format!("in the rows of `{}`, {error}", measurement.name)))?;
         let likelihood = problem
             .informed(likelihood, problem.most_steps.get(index..=index).unwrap_or_default())
             .with_slopes_on(fewer);
@@ -343,12 +345,14 @@ fn stretches(measurement: &Measurement) -> Vec<(f64, f64)> {
 }
 
 /// Adds a source of 1 W per unit of a new parameter, whose name comes back.
-fn add_source(model: &mut Model, node: usize, stretch: usize, shape: Option<&str>) -> Option<String> {
+fn add_source(model: &mut Model, node: usize, stretch: usize, shape: Option<&str>) -> Result<String, NoHeat> {
     let name = format!("missing heat {node} {stretch}");
-    let symbol = Symbol::Parameter(u32::try_from(model.parameters.len()).ok()?);
-    let mut power = model.graph.symbol(symbol);
+    let of_node = |why: &str| NoHeat::NotMade(format!("in the node `{}`, {why}", model.nodes[node].name));
+    let number = u32::try_from(model.parameters.len()).map_err(|_| of_node("there are too many parameters"))?;
+    let mut power = model.graph.symbol(Symbol::Parameter(number));
     if let Some(shape) = shape {
-        let shape = parse(shape, &mut model.graph, &Scope::with(&Names::default(), Vec::new())).ok()?;
+        let shape = parse(shape, &mut model.graph, &Scope::with(&Names::default(), Vec::new()));
+        let shape = shape.map_err(|_| NoHeat::NotMade(format!("`{name}` has no course")))?;
         power = model.graph.multiply(power, shape);
     }
     model.parameters.push(Parameter {
@@ -359,5 +363,5 @@ fn add_source(model: &mut Model, node: usize, stretch: usize, shape: Option<&str
         source: String::new(),
     });
     model.elements.push(Element { name: name.clone(), kind: ElementKind::Load(Load { into: node, power }) });
-    Some(name)
+    Ok(name)
 }

@@ -286,7 +286,7 @@ impl Parts {
                 null.units = singles.into_iter().flat_map(|(unit, _)| unit).collect();
                 null.conditions = conditions.concat();
                 null.several = several;
-                null.taken_out = free_basis;
+                null.projected_out = free_basis;
             }
         }
         null

@@ -63,7 +63,7 @@ pub(crate) struct Null {
     /// Columns on which components must be positive.
     pub conditions: Vec<f64>,
     /// Orthonormal columns to which the residuals are orthogonal, where the vector has their dimensions too and it matters.
-    pub taken_out: Vec<f64>,
+    pub projected_out: Vec<f64>,
     /// Dimensions of the residuals outside the vector.
     pub remainder: usize,
     /// Degrees of freedom of the residuals.
@@ -204,8 +204,8 @@ impl Null {
     fn draw(&self, member: usize, thresholds: &Thresholds, stream: &mut Stream) -> Draw {
         let (in_tail, of_scale, of_outside) = (stream.uniform(), stream.uniform(), stream.uniform());
         let mut vector: Vec<f64> = (0..self.dimensions).map(|_| stream.normal()).collect();
-        if !self.taken_out.is_empty() {
-            project_out(&mut vector, &self.taken_out);
+        if !self.projected_out.is_empty() {
+            project_out(&mut vector, &self.projected_out);
         }
         let mut outside = 0.0;
         if self.omnibus && self.remainder > 0 {

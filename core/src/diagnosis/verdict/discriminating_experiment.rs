@@ -171,11 +171,11 @@ fn in_steady_phases(findings: &Findings<'_>, rivals: &[&Rival<'_>]) -> Option<Di
     let conditions = settable.iter().map(|&(index, _)| {
         (problem.model.inputs[index].name.clone(), setting(&problem.model, index, best.inputs[index]))
     });
-    let told_apart = || std::iter::once(0).chain(others.iter().map(|rival| rival + 1));
+    let shown = || std::iter::once(0).chain(others.iter().map(|rival| rival + 1));
     let sensors = template.sensors.iter().enumerate();
-    let predicted = |place: usize| told_apart().map(|rival| best.predictions[rival][place]).collect();
+    let predicted = |place: usize| shown().map(|rival| best.predictions[rival][place]).collect();
     let experiment = DiscriminatingExperiment {
-        between: told_apart().map(of).collect(),
+        between: shown().map(of).collect(),
         conditions: conditions.collect(),
         probability: distinguishing_probability(best.square(&others)),
         repeat_probability: repeat.map_or(0.5, |repeat| distinguishing_probability(repeat.square(&others))),

@@ -3,7 +3,7 @@
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::output::{Amount, EffectResult};
-use crate::diagnosis::verdict::numbers::{short, with_error};
+use crate::diagnosis::verdict::numbers::{short, unit_of_time, with_error};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::document::percent;
 use crate::expression::Unit;
@@ -21,10 +21,11 @@ const ELSEWHERE: f64 = 0.1;
 /// Start temperatures that are stated of an effect.
 const MOST_STARTS: usize = 3;
 
-/// The size of an effect, after a comma: its first parameter. Nothing for one that has none, and for a curve, of which the
-/// first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
-pub fn size(effect: &EffectResult) -> String {
-    let first = effect.amplitudes.iter().next().filter(|(name, _)| *name != FIRST_KNOT);
+/// The size of an effect, after a comma: its first parameter but that of its onset. Nothing for one that has none, and for a curve,
+/// of which the first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
+pub fn size(effect: &EffectResult, onset: Option<&Amount>) -> String {
+    let is_onset = |amount: &Amount| onset.is_some_and(|onset| std::ptr::eq(onset, amount));
+    let first = effect.amplitudes.iter().find(|(_, amount)| !is_onset(amount)).filter(|(name, _)| *name != FIRST_KNOT);
     first.map_or_else(String::new, |(name, amount)| {
         let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
         if amount.at_bound {
@@ -42,7 +43,7 @@ pub fn size(effect: &EffectResult) -> String {
 pub(super) fn onset(effect: &EffectResult, problem: &Problem) -> String {
     let Some((clock, amount)) = timed(effect, problem) else { return String::new() };
     if clock == Clock::Elapsed {
-        return format!(", from {} {} into every run on", with_error(amount.value, amount.sd), amount.unit);
+        return format!(", from {} into every run on", instant(amount.value, amount));
     }
     let (mut phases, mut runs): (Vec<(f64, &str)>, Vec<Run<'_>>) = Default::default();
     for measurement in &problem.measurements {
@@ -69,11 +70,9 @@ pub(super) fn onset(effect: &EffectResult, problem: &Problem) -> String {
     match (after.checked_sub(1).map(|before| phases[before].1), phases.get(after)) {
         (Some(before), Some((_, after))) => format!(", between the phases {before} and {after}"),
         _ => {
-            // Stretches of a record are told in hours.
-            let (scale, unit) = if amount.unit == "s" { (3600.0, "h") } else { (1.0, amount.unit.as_str()) };
-            let when = with_error(amount.value / scale, amount.sd / scale);
+            let when = instant(amount.value, amount);
             let since = effect.since.as_ref().map_or_else(String::new, |since| format!(" ({since})"));
-            format!(", from {when} {unit}{since} on")
+            format!(", from {when}{since} on")
         }
     }
 }
@@ -107,8 +106,14 @@ pub fn in_runs(amount: &Amount, mut runs: Vec<Run<'_>>) -> Option<String> {
         return Some(format!(", between `{}` and `{}`", pair[0].name, pair[1].name));
     }
     let run = runs.iter().rfind(|run| run.from <= date).filter(|_| runs.len() > 1)?;
-    let when = with_error((amount.value - run.from + run.begins_s) / 3600.0, amount.sd / 3600.0);
-    Some(format!(", from {when} h of `{}` on", run.name))
+    let when = instant(amount.value - run.from + run.begins_s, amount);
+    Some(format!(", from {when} of `{}` on", run.name))
+}
+
+/// A time with its error, in the unit that suits it; of no time in the unit that it has.
+fn instant(value: f64, amount: &Amount) -> String {
+    let (length, unit) = if amount.unit == "s" { unit_of_time(value) } else { (1.0, amount.unit.as_str()) };
+    format!("{} {unit}", with_error(value / length, amount.sd / length))
 }
 
 /// Date and time from which on an effect is there, where that is known.

@@ -18,9 +18,8 @@ use crate::diagnosis::verdict::hints::hints;
 use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::exp;
 use crate::math::sum::log_sum_exp;
-use crate::measurement::Rows;
-use crate::measurement::total_sd;
 use crate::measurement::unknown::start_name;
+use crate::measurement::{Rows, sensor_places, total_sd};
 use crate::random::Distribution;
 use std::collections::BTreeMap;
 
@@ -123,6 +122,7 @@ impl Diagnosis {
         let (problem, state) = (findings.problem, findings.state);
         let candidate = &problem.candidates[effect];
         let file = problem.catalogue.get(&candidate.effect);
+        let sensors = sensor_places(problem.measurements.iter());
         // Its best set: the selected one where it belongs to it, else the most probable.
         let with = |place: &usize| state.refits[*place].effects.contains(&effect);
         let better = |a: usize, b: usize| if findings.weights.sets[b] > findings.weights.sets[a] { b } else { a };
@@ -151,7 +151,8 @@ impl Diagnosis {
             file: None,
             id: candidate.id.clone(),
             effect: candidate.effect.clone(),
-            title: file.map_or_else(|| TITLE.to_owned(), |file| file.form.title.clone()),
+            title: file
+                .map_or_else(|| TITLE.to_owned(), |file| file.title_at(candidate, &problem.model, &sensors).to_owned()),
             place: candidate.place.clone(),
             where_kind: candidate.where_kind.to_owned(),
             input: candidate.input.clone(),

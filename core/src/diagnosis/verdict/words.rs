@@ -6,11 +6,12 @@ use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::rises;
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
-    Likeness, carried, onset, or_model_error, size, started, surprising, too_narrow,
+    Likeness, carried, onset, or_model_error, size, started, surprising, timed, too_narrow,
 };
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::numbers::{joined, kelvins, short, with_error};
+use crate::diagnosis::verdict::one_kind::one_kind;
 use crate::diagnosis::verdict::small_effects::is_curve_of_few_phases;
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
 use crate::document::{counted, p_stated, percent};
@@ -129,15 +130,15 @@ fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
     let [sd, noise, counts_as] = [worst.0, worst.1, worst.2].map(|size| short(size, 2));
     let left = chosen.rmse_train_k.map(|rmse| (rmse * rmse - worst.1 * worst.1).max(0.0).sqrt());
     let alike = format!(
-        "such errors are alike in readings that follow one another, so that each of these weighs as little as one with a noise of {counts_as} K.{part}"
+        "Since such errors are nearly the same in many successive readings, one reading has only the weight of an independent one with an error of {counts_as} K: that is a weight, not the noise of an instrument.{part}"
     );
     Some(match left.filter(|left| *left < CLEARLY_LESS * worst.0) {
         Some(left) => format!(
-            "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise} K. Each step was weighed with the model error beside the most probable one or two effects, {sd} K: {alike}",
+            "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise} K. Each step was weighed with the model error beside the most probable one or two effects, {sd} K. {alike}",
             short(left, 2)
         ),
         None => format!(
-            "The model is a little wrong everywhere: beside what is found, a model error of {sd} K (standard deviation) remains, while the instruments' noise is {noise} K: {alike}"
+            "The model is a little wrong everywhere: beside what is found, a model error of {sd} K (standard deviation) remains, while the instruments' noise is {noise} K. {alike}"
         ),
     })
 }
@@ -256,11 +257,19 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),
                     None => (head.to_owned(), String::new()),
                 };
+                let is_own = |group: &&Vec<usize>| group.first().is_some_and(|&first| findings.id(first) == effect.id);
+                let members = findings.groups.iter().find(is_own).into_iter().flatten();
+                let group: Vec<&EffectResult> = members
+                    .filter_map(|&member| output.effects.iter().find(|other| other.id == findings.id(member)))
+                    .filter(|other| other.id == effect.id || !output.selected.contains(&other.id))
+                    .collect();
+                let together = one_kind(&group, findings.problem);
+                let together = together.map_or_else(String::new, |words| format!(" {words}; proposed:"));
                 words.push(format!(
-                    "{head}: {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
+                    "{head}:{together} {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
                     effect.title,
                     effect.id,
-                    size(effect),
+                    size(effect, timed(effect, findings.problem).map(|(_, amount)| amount)),
                     onset(effect, findings.problem),
                     carried(effect),
                     started(effect),

@@ -67,7 +67,7 @@ pub fn descend(
             direction.iter_mut().for_each(|d| *d *= LONGEST / longest);
         }
         let mut share = 1.0;
-        let mut taken = None;
+        let mut accepted = None;
         for _ in 0..HALVINGS {
             let trial: Vec<f64> =
                 (0..n).map(|i| (x[i] + share * direction[i]).max(bounds[i][0]).min(bounds[i][1])).collect();
@@ -79,7 +79,7 @@ pub fn descend(
             evaluations += 1;
             let found = function(&trial, &mut slopes);
             if let Some(found) = found.filter(|found| *found <= value + LEAST_SHARE * predicted) {
-                taken = Some((trial, found, slopes));
+                accepted = Some((trial, found, slopes));
                 break;
             }
             // The minimum of the parabola through what is known of the line, kept from the ends.
@@ -88,7 +88,7 @@ pub fn descend(
                 None => 0.25,
             };
         }
-        let Some((trial, found, slopes)) = taken else {
+        let Some((trial, found, slopes)) = accepted else {
             if is_fresh {
                 break;
             }
@@ -112,7 +112,7 @@ pub fn descend(
     Some(Descended { x, value, gradient, curvature: inverse, evaluations })
 }
 
-/// Learns the inverse curvature from a step; whether the step told any.
+/// Learns the inverse curvature from a step; whether the step shows any.
 fn learn(inverse: &mut [f64], step: &[f64], turned: &[f64], is_fresh: bool) -> bool {
     let n = step.len();
     let along: f64 = step.iter().zip(turned).map(|(s, y)| s * y).sum();
@@ -128,10 +128,10 @@ fn learn(inverse: &mut [f64], step: &[f64], turned: &[f64], is_fresh: bool) -> b
         }
     }
     let product: Vec<f64> = (0..n).map(|i| (0..n).map(|j| inverse[i * n + j] * turned[j]).sum()).collect();
-    let bent: f64 = turned.iter().zip(&product).map(|(y, p)| y * p).sum();
+    let curvature_change: f64 = turned.iter().zip(&product).map(|(y, p)| y * p).sum();
     for i in 0..n {
         for j in 0..n {
-            inverse[i * n + j] += (1.0 + bent / along) * step[i] * step[j] / along
+            inverse[i * n + j] += (1.0 + curvature_change / along) * step[i] * step[j] / along
                 - (product[i] * step[j] + step[i] * product[j]) / along;
         }
     }

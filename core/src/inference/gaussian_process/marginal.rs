@@ -104,12 +104,12 @@ impl Factored {
         }
         // What is left of a column beside the others is rounding where it is this small.
         let largest = (0..columns).map(|a| coefficients[a * columns + a]).fold(0.0, f64::max);
-        let told_apart = cholesky::factor(&mut coefficients, columns).is_ok()
+        let is_regular = cholesky::factor(&mut coefficients, columns).is_ok()
             && (0..columns).all(|a| {
                 let left = coefficients[a * columns + a];
                 left * left > 1e-13 * largest
             });
-        if !told_apart || columns > n {
+        if !is_regular || columns > n {
             return Err(GaussianProcessError::Trend { points: n });
         }
         let log_determinant: f64 = (0..n).map(|i| 2.0 * ln(lower[i * n + i])).sum();

@@ -1,7 +1,7 @@
 //! Where a prediction leaves the range that was tested.
 //!
 //! A range is the box of the tested values, input by input. A point beside the points with values in lengths of the process is
-//! told by [`super::process::Process::nearest`].
+//! given by [`super::process::Process::nearest`].
 
 /// Share of a range's width that rounding may take a point beyond it.
 const ROUNDING: f64 = 1e-9;

@@ -4,7 +4,7 @@
 //! `z = m + L u` with `u` standard normal, `m` and `L L'` mean and covariance of the draws' scores. The fit is judged by
 //! what a user of the density would notice: quantiles of each parameter, and the distribution of the squared Mahalanobis
 //! distance `|L^-1 (z - m)|^2`, which is chi-square with as many degrees of freedom as there are parameters (Mardia, Kent
-//! & Bibby 1979, section 3.5) and shows what no single parameter does: bent and split posteriors.
+//! & Bibby 1979, section 3.5) and shows what no single parameter does: curved and split posteriors.
 
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! A triangular transport: coordinates sheared along a normal approximation, in which a narrow ridge stays straight beside a bound.
 //!
 //! The maps of `transform` stretch what lies near a bound. A ridge of correlated parameters that is straight in the
-//! parameters is bent by them, and no one metric suits a bent ridge: trajectories need steps as short as its narrowest
+//! parameters is curved by them, and no one metric suits a curved ridge: trajectories need steps as short as its narrowest
 //! place asks for, and diverge with longer ones. So the parameters are taken in order, those whose map bends most first,
 //! and a coordinate `w_j` is what is left of `z_j` when its regression on the parameters before it is taken off:
 //! `x_j = T_j(w_j + sum_i b_ji (x_i - m_i))`, `b_j = C_pp^-1 C_pj / T_j'`, with the approximation's mode `m` and

@@ -1,4 +1,4 @@
-//! Where further runs of the model tell most: points are taken one after the other where the error weighs most, each as if
+//! Where further runs of the model tell most: points are best one after the other where the error weighs most, each as if
 //! the runs before it were there. What a run changes of the errors elsewhere depends on where it lies alone, not on what it gives
 //! (Rasmussen & Williams 2006, eq. 2.26).
 
@@ -43,22 +43,22 @@ pub fn choose(surrogate: &Surrogate, candidates: &[Candidate], count: usize) -> 
                 best = Some((row, own));
             }
         }
-        let Some((taken, _)) = best.filter(|(_, score)| *score > 0.0) else { break };
+        let Some((best, _)) = best.filter(|(_, score)| *score > 0.0) else { break };
         for covariance in &mut covariances {
-            let column: Vec<f64> = (0..n).map(|row| covariance[row * n + taken]).collect();
+            let column: Vec<f64> = (0..n).map(|row| covariance[row * n + best]).collect();
             let largest = (0..n).map(|row| covariance[row * n + row]).fold(0.0, f64::max);
-            if column[taken] <= KNOWN * largest {
+            if column[best] <= KNOWN * largest {
                 continue;
             }
             for row in 0..n {
-                let share = column[row] / column[taken];
+                let share = column[row] / column[best];
                 covariance[row * n..(row + 1) * n]
                     .iter_mut()
                     .zip(&column)
                     .for_each(|(value, own)| *value -= share * own);
             }
         }
-        chosen.push(taken);
+        chosen.push(best);
     }
     chosen.into_iter().map(|row| known[row].0).collect()
 }

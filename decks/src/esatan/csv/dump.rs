@@ -33,7 +33,7 @@ pub(super) struct Dump {
     pub(super) columns: Vec<(Column, Values)>,
 }
 
-/// Parses a dump. All its errors are told at once, one a line.
+/// Parses a dump. All its errors are reported at once, one a line.
 pub(super) fn parse(file: &str, text: &str) -> Result<Dump, Vec<DeckError>> {
     let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line));
     let fail = |line: usize, message: String| vec![DeckError::at(file, line, message)];

@@ -40,7 +40,7 @@ enum Lines {
     /// Outside of any block.
     Outside,
     Data(Data),
-    /// Constants whose type is not told yet.
+    /// Constants whose type is not known yet.
     Untyped,
     /// Code that runs while the model is solved: refused.
     Code(&'static str),

@@ -16,7 +16,7 @@ use crate::arithmetic::piece::Piece;
 use crate::arithmetic::quantity::{Quantity, Reader};
 use blocks::{Data, Statement};
 
-/// Most errors that are told of one file.
+/// Most errors that are reported of one file.
 const MOST_ERRORS: usize = 50;
 
 /// Reads the text of a model: blocks of constants, nodes and conductors, with submodels.

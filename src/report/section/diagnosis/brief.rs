@@ -21,10 +21,15 @@ impl Brief for Diagnosis {
             |word: &&String| output.selected.iter().any(|id| is_of(word, id)) && !word.contains("(group ");
         let is_error = |word: &&String| word.starts_with("With it the RMSE") || word.starts_with("With them the RMSE");
         let (tuned, rest) = output.words.split_first().map_or((None, &[][..]), |(first, rest)| (Some(first), rest));
-        let told = rest.iter().filter(|word| is_selected(word) || is_error(word));
+        let essential = rest.iter().filter(|word| is_selected(word) || is_error(word));
         let verdict = format!("verdict {}", verdict(output).in_plain_words());
         let tuned = tuned.filter(|_| output.selected.is_empty());
-        output.before_the_verdict().into_iter().chain([verdict]).chain(tuned.into_iter().chain(told).cloned()).collect()
+        output
+            .before_the_verdict()
+            .into_iter()
+            .chain([verdict])
+            .chain(tuned.into_iter().chain(essential).cloned())
+            .collect()
     }
 
     fn essentials(output: &Output) -> Vec<(String, String)> {

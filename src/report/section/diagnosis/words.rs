@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::diagnosis::output::{Amount, EffectResult, Output};
+use crate::diagnosis::verdict::numbers::unit_of_time;
 use crate::document::{counted, p_stated};
 use crate::math::functions::atan2;
 use crate::report::number::fixed;
@@ -106,7 +107,7 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         );
         return Some(("power".to_owned(), format!("{}, {when}", amount(power))));
     }
-    let onset = ["date", "elapsed"].into_iter().find_map(|name| effect.amplitudes.get_key_value(name));
+    let onset = effect.amplitudes.iter().find(|(name, _)| is_onset(name));
     let (name, value) = effect.amplitudes.iter().find(|(name, _)| onset.is_none_or(|(other, _)| *name != other))?;
     // A relative change is read as a share.
     let size = match (name.as_str(), value.unit.as_str()) {
@@ -123,21 +124,38 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
 
 /// The same at a time in a record.
 pub(in crate::report::section) fn since_s(seconds: f64) -> String {
-    format!(", from {}\u{A0}h on", fixed(seconds / 3600.0, 2))
+    format!(", from {} on", time(seconds))
 }
 
-/// The same at a time into every run: in minutes within its first hour.
+/// The same at a time into every run.
 pub(in crate::report::section) fn since_start_s(seconds: f64) -> String {
-    let time = match seconds < 3600.0 {
-        true => format!("{}\u{A0}min", fixed(seconds / 60.0, 1)),
-        false => format!("{}\u{A0}h", fixed(seconds / 3600.0, 2)),
-    };
-    format!(", from {time} into every run on")
+    format!(", from {} into every run on", time(seconds))
+}
+
+/// Whether a parameter says when an effect sets in.
+pub(super) fn is_onset(name: &str) -> bool {
+    ["date", "elapsed"].contains(&name)
+}
+
+/// A time with its error in the unit that suits it.
+pub(super) fn as_time(when: &Amount) -> Amount {
+    if when.unit != "s" {
+        return when.clone();
+    }
+    let (length, unit) = unit_of_time(when.value);
+    Amount { value: when.value / length, sd: when.sd / length, unit: unit.to_owned(), ..when.clone() }
+}
+
+/// A time in the unit that suits it.
+fn time(seconds: f64) -> String {
+    let (length, unit) = unit_of_time(seconds);
+    format!("{}\u{A0}{unit}", fixed(seconds / length, if unit == "min" { 1 } else { 2 }))
 }
 
 /// From when on an effect is there: the number of a phase, the time in a record, or that into every run.
 fn since(name: &str, when: &Amount) -> String {
     match (name, when.unit.as_str()) {
+        ("elapsed", "s") => since_start_s(when.value),
         ("elapsed", _) => format!(", from {} into every run on", amount(when)),
         (_, "s") => since_s(when.value),
         (_, "1") => format!(", from phase {} on", fixed(when.value.ceil(), 0)),

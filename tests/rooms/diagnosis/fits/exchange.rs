@@ -9,7 +9,7 @@ use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 use std::sync::Arc;
 
 #[test]
-fn an_exchange_of_which_no_model_can_be_made_is_told_with_its_reason() {
+fn an_exchange_of_which_no_model_can_be_made_is_reported_with_its_reason() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let request =
         InjectionRequest { only: Some("heat-load".to_owned()), size: Some(5.0), ..InjectionRequest::default() };

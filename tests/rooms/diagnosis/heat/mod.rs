@@ -2,15 +2,16 @@
 
 use bmv::diagnosis::fits::evidence::Evidence;
 use bmv::diagnosis::fits::refit::Begin;
-use bmv::diagnosis::heat::sources::Sources;
+use bmv::diagnosis::heat::sources::{Kind as SourceKind, Sources};
 use bmv::diagnosis::heat::*;
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
+use bmv::measurement::Rows;
 use bmv::random::StreamKey;
 use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 use std::sync::Arc;
 
-/// Where the baseline fit is bent, it need not have come to its end: what heat explains does not depend on it. With a
+/// Where the baseline fit is distorted, it need not have come to its end: what heat explains does not depend on it. With a
 /// difference to the baseline fit's evidence the two would differ by what that is wrong by.
 #[test]
 fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
@@ -46,8 +47,8 @@ fn the_evidence_does_not_depend_on_where_the_believed_fit_stopped() {
 #[test]
 fn why_heat_of_unknown_origin_is_not_known_is_said() {
     use bmv::diagnosis::heat::sources::NoHeat;
-    let reasons = [NoHeat::TooMany, NoHeat::NotMade, NoHeat::NotSolved, NoHeat::NotDetermined].map(NoHeat::in_words);
-    assert!(reasons[0].contains("more than 600"), "{}", reasons[0]);
+    let too_many = NoHeat::TooMany.in_words();
+    assert!(too_many.contains("more than 600"), "{too_many}");
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
     let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
@@ -55,4 +56,32 @@ fn why_heat_of_unknown_origin_is_not_known_is_said() {
     let own = problem.measurements[0].clone();
     problem.measurements = vec![own; 120];
     assert_eq!(Sources::new(&problem).err(), Some(NoHeat::TooMany));
+    problem.measurements.truncate(1);
+    problem.measurements[0].sensors[0].sigma = None;
+    let why = Sources::new(&problem).err().expect("no noise").in_words();
+    let name = &problem.measurements[0].sensors[0].name;
+    assert!(why.contains("has no `sigma`") && why.contains(name.as_str()), "{why}");
+}
+
+/// As a run is that only the choice of effects is to be tested by.
+#[test]
+fn heat_is_sought_beside_a_measurement_that_is_held_out_as_a_whole() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    for kind in [TestKind::Steady, TestKind::Steps] {
+        let recipe = Recipe::of(Topology::Star, kind, InjectionRequest::default());
+        let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let alone = Sources::new(&problem).unwrap();
+        let mut other = problem.measurements[0].clone();
+        other.name = "held out".to_owned();
+        match &mut other.rows {
+            Rows::Steady(phases) => phases.iter_mut().for_each(|phase| phase.held_out = true),
+            Rows::Transient { held_out, .. } => held_out.fill(true),
+        }
+        problem.measurements.push(other);
+        let nodes = |sources: &Sources| {
+            sources.list().iter().filter(|source| matches!(source.kind, SourceKind::Node(_))).count()
+        };
+        let both = Sources::new(&problem).unwrap();
+        assert!(nodes(&alone) > 0 && nodes(&both) == nodes(&alone), "{} and {}", nodes(&both), nodes(&alone));
+    }
 }

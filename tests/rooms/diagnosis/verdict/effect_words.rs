@@ -27,8 +27,26 @@ fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
 
 #[test]
 fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
-    assert_eq!(size(&effect(0.0308)), ", conductance 0.031 ± 0.013 W/K");
-    assert_eq!(size(&effect(0.0347)), ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)");
+    assert_eq!(size(&effect(0.0308), None), ", conductance 0.031 ± 0.013 W/K");
+    assert_eq!(
+        size(&effect(0.0347), None),
+        ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)"
+    );
+}
+
+/// `date` comes before `power`.
+#[test]
+fn the_size_of_what_sets_in_is_not_when_it_does() {
+    let amount = |value: f64, unit: &str| Amount {
+        value,
+        sd: 0.1 * value,
+        most_probable: value,
+        unit: unit.to_owned(),
+        at_bound: false,
+    };
+    let amplitudes = [("date".to_owned(), amount(687.0, "s")), ("power".to_owned(), amount(2.0, "W"))].into();
+    let load = EffectResult { amplitudes, ..effect(0.03) };
+    assert_eq!(size(&load, load.amplitudes.get("date")), ", power 2.00 ± 0.20 W");
 }
 
 /// Two runs of 10 h, of which the second begins at 100 h by its own clock.
@@ -50,9 +68,10 @@ fn a_date_is_stated_in_the_run_in_which_it_lies() {
     };
     let runs = || vec![run("cold", 10.0, 100.0), run("hot", 0.0, 0.0)];
     assert_eq!(in_runs(&at(2.5, 0.1), runs()).unwrap(), ", from 2.50 ± 0.10 h of `hot` on");
-    assert_eq!(in_runs(&at(12.5, 0.1), runs()).unwrap(), ", from 102.50 ± 0.10 h of `cold` on");
+    assert_eq!(in_runs(&at(12.5, 0.1), runs()).unwrap(), ", from 4.2708 ± 0.0042 d of `cold` on");
     for near in [at(9.96, 0.001), at(10.04, 0.001), at(9.0, 1.2), at(10.0, 40.0)] {
         assert_eq!(in_runs(&near, runs()).unwrap(), ", between `hot` and `cold`", "{near:?}");
     }
     assert_eq!(in_runs(&at(2.5, 0.1), vec![run("hot", 0.0, 0.0)]), None);
+    assert_eq!(in_runs(&at(0.25, 0.01), runs()).unwrap(), ", from 15.00 ± 0.60 min of `hot` on");
 }

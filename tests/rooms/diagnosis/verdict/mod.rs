@@ -6,6 +6,7 @@ mod experiment_words;
 mod few_readings;
 mod lumped_nodes;
 mod numbers;
+mod one_kind;
 mod selection;
 mod small_effects;
 mod still;

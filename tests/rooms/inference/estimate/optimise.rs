@@ -173,7 +173,7 @@ fn a_descent_far_above_the_ceiling_is_left_early() {
     assert_eq!(descend(to_its_end.0 + 1.0), to_its_end);
 }
 
-/// `r = (x, 0.65 + x^2 / 2)`: near 0 the objective is bent 1.65 times as much as the Jacobian tells, so that its steps end
+/// `r = (x, 0.65 + x^2 / 2)`: near 0 the objective curves 1.65 times as much as the Jacobian tells, so that its steps end
 /// 0.65 times as far on the other side.
 struct LargeResidual;
 

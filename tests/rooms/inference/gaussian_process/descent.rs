@@ -11,7 +11,7 @@ fn valley(x: &[f64], gradient: &mut [f64]) -> Option<f64> {
 }
 
 #[test]
-fn a_bent_valley_is_followed_to_its_end_and_to_a_bound() {
+fn a_curved_valley_is_followed_to_its_end_and_to_a_bound() {
     let free = descend(valley, &[-1.2, 1.0], &[[-5.0, 5.0]; 2], None, 1e-14, 500).expect("a value");
     assert!((free.x[0] - 1.0).abs() < 1e-5 && (free.x[1] - 1.0).abs() < 1e-5, "{free:?}");
     // With x below 0.5 the best is y = x^2 there.

@@ -74,7 +74,7 @@ fn an_unseen_parameter_keeps_its_prior() {
 }
 
 #[test]
-fn split_bent_and_one_sided_draws_are_refused_and_skewed_ones_doubted() {
+fn split_curved_and_one_sided_draws_are_refused_and_skewed_ones_doubted() {
     let what = |draws: &[Vec<f64>]| match fitted([WIDE; 2], draws) {
         Err(JointPriorError::NotNormal { what }) => what,
         other => panic!("{other:?}"),

@@ -5,7 +5,7 @@ use bmv::math::functions::ln;
 use bmv::random::StreamKey;
 
 /// In one dimension with one degree of freedom Cauchy's density `1 / (pi s (1 + (x / s)^2))`; a draw has the density that is
-/// told with it.
+/// given with it.
 #[test]
 fn densities_are_those_of_the_draws() {
     let mut cauchy = StudentProposal::new(vec![1.0], vec![2.0], 1);
@@ -13,6 +13,6 @@ fn densities_are_those_of_the_draws() {
     assert!((cauchy.log_density(&[4.0]) - expected).abs() < 1e-13);
     let mut stream = StreamKey::new(1, "student", "test").stream(0);
     let mut point = [0.0];
-    let told = cauchy.draw(&mut stream, &mut point);
-    assert!((cauchy.log_density(&point) - told).abs() < 1e-12);
+    let given = cauchy.draw(&mut stream, &mut point);
+    assert!((cauchy.log_density(&point) - given).abs() < 1e-12);
 }

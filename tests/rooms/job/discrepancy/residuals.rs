@@ -10,5 +10,5 @@ fn linear_residuals_have_their_slopes_and_draws_without_a_solution_are_left_out(
     let found = Residuals::new(vec![3.0, 5e-4, 5.0], vec![0.5, 7.0], &draws, &residuals);
     assert!((found.slopes[0][0] - 2.0).abs() < 1e-6 && (found.slopes[0][1] + 3e4).abs() < 1e-1, "{found:?}");
     assert_eq!((found.slopes[0][2], found.draws), (0.0, [39, 1]));
-    assert!(found.bent[0] < 1e-5 && found.sds[1] == 0.0);
+    assert!(found.nonlinear[0] < 1e-5 && found.sds[1] == 0.0);
 }

@@ -15,7 +15,7 @@ fn columns_without_values_are_left_out_and_numbers_are_in_full() {
 }
 
 #[test]
-fn of_very_many_places_an_even_choice_is_told() {
+fn of_very_many_places_an_even_choice_is_shown() {
     let mut sheet = Sheet::default();
     sheet.name(["x"]);
     for at in 0..10_000 {

@@ -1,0 +1,130 @@
+//! What the effects of a group are together, where they are laws of one and the same thing: a loss of one node, heat into it, a path,
+//! a conductance, a store of heat or a sensor. The effects' files say what each adds, their places where.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::verdict::numbers::or_joined;
+use crate::effect::{Candidate, Site};
+use crate::thermal::{Model, NodeKind};
+
+/// What an effect changes.
+#[derive(Clone, Debug, PartialEq)]
+enum Changed {
+    /// Heat of nodes, and whether it is exchanged with surroundings.
+    Heat { nodes: Vec<usize>, with_surroundings: bool },
+    /// The path between two nodes.
+    Path([usize; 2]),
+    /// Elements that carry heat.
+    Conductance(Vec<usize>),
+    /// What nodes store.
+    Store(Vec<usize>),
+    /// What sensors read.
+    Reading(Vec<String>),
+}
+
+impl Changed {
+    fn of(candidate: &Candidate, problem: &Problem) -> Option<Self> {
+        let adds = &problem.catalogue.get(&candidate.effect)?.form.adds.value;
+        let stores = adds.capacity.is_some() || adds.node.is_some();
+        match &candidate.site {
+            Site::Pair(ends) => adds.flow.is_some().then_some(Self::Path(*ends)),
+            Site::Sensors(sensors) => Some(Self::Reading(sensors.iter().map(|sensor| sensor.name.clone()).collect())),
+            Site::Nodes(members) => {
+                let nodes: Vec<usize> = members.iter().map(|&(node, _)| node).collect();
+                let gives = adds.load.is_some() || adds.curve.is_some() || adds.flow.is_some();
+                match (stores, gives) {
+                    (true, _) => Some(Self::Store(nodes)),
+                    (_, true) => Some(Self::Heat { nodes, with_surroundings: adds.ambient.is_some() }),
+                    _ => None,
+                }
+            }
+            Site::Elements(elements) if adds.factor.is_some() => {
+                let ends = |&element: &usize| problem.model.elements.get(element).map(|own| own.nodes());
+                let ends: Vec<Vec<usize>> = elements.iter().filter_map(ends).collect();
+                // What has one end gives heat to it.
+                match ends.iter().all(|nodes| nodes.len() == 1) {
+                    true => Some(Self::Heat { nodes: ends.concat(), with_surroundings: false }),
+                    false => Some(Self::Conductance(elements.to_vec())),
+                }
+            }
+            Site::Elements(_) | Site::Parameter(_) => None,
+        }
+    }
+
+    /// The same, but a path to a boundary as a loss of the node at its other end.
+    fn beside_boundary(self, model: &Model) -> Self {
+        let Self::Path(ends) = self else { return self };
+        let is_inner = |node: &usize| !matches!(model.nodes[*node].kind, NodeKind::Boundary { .. });
+        let nodes: Vec<usize> = ends.into_iter().filter(is_inner).collect();
+        if nodes.len() == 1 { Self::Heat { nodes, with_surroundings: true } } else { self }
+    }
+}
+
+/// What effects are together and what the readings do not tell of it, in words that go on after a colon; `None` where there is one, or
+/// they are of several kinds or at several places.
+pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> {
+    let first = effects.first().filter(|_| effects.len() > 1)?;
+    let of = |effect: &&EffectResult| {
+        let candidate = problem.candidates.iter().find(|candidate| candidate.id == effect.id)?;
+        Changed::of(candidate, problem)
+    };
+    let mut all: Vec<Changed> = effects.iter().map(of).collect::<Option<_>>()?;
+    if all.iter().any(|changed| *changed != all[0]) {
+        all = all.into_iter().map(|changed| changed.beside_boundary(&problem.model)).collect();
+    }
+    let place = |nodes: &[usize]| match nodes {
+        [node] => format!("`{}`", problem.model.nodes[*node].name),
+        _ => format!("`{}`", first.place.join("` and `")),
+    };
+    let (what, open) = match all.first()? {
+        Changed::Heat { nodes: own, .. } => {
+            let surroundings = |changed: &Changed| match changed {
+                Changed::Heat { nodes, with_surroundings } if nodes == own => Some(*with_surroundings),
+                _ => None,
+            };
+            let exchanged: Vec<bool> = all.iter().map(surroundings).collect::<Option<_>>()?;
+            heat(&place(own), effects, &exchanged)
+        }
+        same if all.iter().any(|other| other != same) => return None,
+        Changed::Path(ends) => {
+            let [a, b] = ends.map(|end| &problem.model.nodes[end].name);
+            (format!("a path for heat between `{a}` and `{b}`"), "whose law")
+        }
+        Changed::Conductance(_) => {
+            (format!("a change of the conductance of `{}`", first.place.join("`, `")), "whose cause")
+        }
+        Changed::Store(nodes) => (format!("heat that is stored in {}", place(nodes)), "whose way"),
+        Changed::Reading(_) => (format!("a fault of the readings of `{}`", first.place.join("` and `")), "whose kind"),
+    };
+    let mut laws: Vec<String> = Vec::new();
+    for effect in effects {
+        let law = effect
+            .input
+            .as_ref()
+            .map_or_else(|| effect.effect.clone(), |input| format!("{} with {input}", effect.effect));
+        if !laws.contains(&law) {
+            laws.push(law);
+        }
+    }
+    Some(format!("{what}, {open} the readings do not tell ({})", or_joined(&laws)))
+}
+
+/// Heat of a place, and what of it is open.
+fn heat(place: &str, effects: &[&EffectResult], exchanged: &[bool]) -> (String, &'static str) {
+    let is_all = |holds: fn([f64; 2]) -> bool| effects.iter().all(|effect| effect.watts.is_some_and(holds));
+    let with_surroundings = exchanged.contains(&true);
+    if is_all(|[_, most]| most <= 0.0) {
+        let to = if with_surroundings { " to its surroundings" } else { "" };
+        return (format!("a loss of heat from {place}{to}"), "whose law");
+    }
+    if !with_surroundings {
+        return (format!("heat in {place}"), "whose course");
+    }
+    if exchanged.contains(&false) {
+        return (format!("heat into or out of {place}"), "whose law");
+    }
+    if is_all(|[least, _]| least >= 0.0) {
+        return (format!("heat from the surroundings into {place}"), "whose law");
+    }
+    (format!("heat exchanged between {place} and its surroundings"), "whose law")
+}
