@@ -206,6 +206,16 @@ pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
     format!(" Errors of the model itself explain as much with probability {}.", percent(effect.model_error))
 }
 
+/// That the held-out rows alone ask for an effect.
+pub fn asked_for(effect: &EffectResult) -> &'static str {
+    let falls = matches!(effect.rmse_k.held_out, [Some(before), Some(after)] if after < before);
+    if effect.log_bayes_factor < 0.0 && falls {
+        " The fitted rows do not ask for it: the held-out rows alone do, and are no test of it any more."
+    } else {
+        ""
+    }
+}
+
 /// That an effect is larger than thought.
 pub(super) fn surprising(effect: &EffectResult) -> String {
     if effect.prior_width <= 1.0 {

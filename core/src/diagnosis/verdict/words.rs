@@ -6,7 +6,7 @@ use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::rises;
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
-    Likeness, carried, onset, or_model_error, size, started, surprising, timed, too_narrow,
+    Likeness, asked_for, carried, onset, or_model_error, size, started, surprising, timed, too_narrow,
 };
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::findings::Findings;
@@ -266,7 +266,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 let together = one_kind(&group, findings.problem);
                 let together = together.map_or_else(String::new, |words| format!(" {words}; proposed:"));
                 words.push(format!(
-                    "{head}:{together} {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}",
+                    "{head}:{together} {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}{}",
                     effect.title,
                     effect.id,
                     size(effect, timed(effect, findings.problem).map(|(_, amount)| amount)),
@@ -275,6 +275,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     started(effect),
                     percent(effect.probability),
                     effect.log_bayes_factor,
+                    asked_for(effect),
                     surprising(effect),
                     or_model_error(effect, likeness(effect))
                 ));

@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/verdict/effect_words.rs`.
 
-use bmv::diagnosis::output::{Amount, EffectResult};
+use bmv::diagnosis::output::{Amount, EffectResult, RmseChange};
 use bmv::diagnosis::verdict::effect_words::*;
 
 use super::words::effect;
@@ -23,6 +23,18 @@ fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
     assert!(warm.starts_with(" These surroundings are warmer than every boundary"), "{warm}");
     let few = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, Likeness::Phases);
     assert!(few.starts_with(" There are hardly more phases than the curve has values"), "{few}");
+}
+
+#[test]
+fn an_effect_that_only_the_held_out_rows_want_is_called_that() {
+    let of = |log_bayes_factor: f64, held_out: [Option<f64>; 2]| {
+        let rmse_k = RmseChange { held_out, ..effect(0.03).rmse_k };
+        asked_for(&EffectResult { log_bayes_factor, rmse_k, ..effect(0.03) })
+    };
+    assert!(of(-2.0, [Some(1.2), Some(0.7)]).contains("the held-out rows alone do"));
+    assert_eq!(of(2.0, [Some(1.2), Some(0.7)]), "");
+    assert_eq!(of(-2.0, [None, None]), "");
+    assert_eq!(of(-2.0, [Some(0.7), Some(1.2)]), "");
 }
 
 #[test]
