@@ -16,7 +16,7 @@ const BLOCKS: [f64; 2] = [50.0, 8.0];
 type Block = (bool, usize, usize);
 
 /// Log likelihoods of held-out readings, each with its error and the independent readings that it is worth, where the error has the size
-/// that a set shows there. But for a constant their sum is what [`crate::diagnosis::story::gains_unseen`] compares.
+/// that a set shows there. But for a constant their sum is what the gain of unseen rows compares.
 pub fn of_held_out(readings: &[(f64, f64)], rmse: f64) -> Vec<f64> {
     let log = |&(error, independent): &(f64, f64)| -independent * (ln(rmse) + 0.5 * (error / rmse) * (error / rmse));
     readings.iter().map(log).collect()
