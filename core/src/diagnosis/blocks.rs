@@ -12,7 +12,7 @@ use crate::measurement::Rows;
 /// Most and fewest blocks of a transient.
 const BLOCKS: [f64; 2] = [50.0, 8.0];
 
-/// A stretch of a measurement: whether its readings are held out, and the positions of both.
+/// A stretch of a measurement: whether its readings are held out, the position of the measurement, and its own there.
 type Block = (bool, usize, usize);
 
 /// Log likelihoods of held-out readings, each with its error and the independent readings that it is worth, where the error has the size

@@ -59,7 +59,7 @@ pub(crate) struct Story {
     pub logs: Vec<f64>,
     /// Log evidences of all sets, each with its own model error.
     pub log_evidences: Vec<f64>,
-    /// Log likelihoods of all sets by blocks of the fitted readings, where a verdict asks for them.
+    /// Log likelihoods of all sets by blocks of the fitted and the held-out readings, where a verdict asks for them.
     pub of_blocks: Vec<Vec<f64>>,
     /// Effects that are no part of it, though more probable than nothing at a step: the unseen rows speak against them.
     pub refused: BTreeSet<usize>,

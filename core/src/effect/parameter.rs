@@ -194,12 +194,12 @@ const MEANT_FOR_J_PER_K: f64 = 500.0;
 /// The same of what meets at a node, W/K.
 const MEANT_FOR_W_PER_K: f64 = 1.0;
 
-/// Times an instrument's by which nodes store or exchange more where the catalogue's sizes grow with them: what is known so roughly
-/// is known well enough for less.
+/// From so many times an instrument's on the catalogue's sizes grow with the hardware: they are known to a factor of ten at best.
 const CLEARLY_LARGER: f64 = 10.0;
 
-/// How many times the catalogue's sizes are plausible in a model: as many as its nodes store or exchange more than an instrument's. A satellite's panel or a house has leaks and parts in proportion; smaller hardware keeps the
-/// catalogue's, as small sizes are plausible anywhere.
+/// How many times the catalogue's sizes are plausible in a model: as many as its nodes store or exchange more than an instrument's.
+/// A satellite's panel or a house has leaks and parts in proportion; smaller hardware keeps the catalogue's, as small sizes are
+/// plausible anywhere.
 fn enlarged(dimension: Dimension, model: &Model) -> f64 {
     let of = |text: &str| Unit::parse(text).map(|unit| unit.dimension).ok();
     let ratio = if Some(dimension) == of("J/K") {

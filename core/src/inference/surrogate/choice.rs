@@ -1,4 +1,4 @@
-//! Where further runs of the model tell most: points are best one after the other where the error weighs most, each as if
+//! Where further runs of the model tell most: points are chosen one after the other where the error weighs most, each as if
 //! the runs before it were there. What a run changes of the errors elsewhere depends on where it lies alone, not on what it gives
 //! (Rasmussen & Williams 2006, eq. 2.26).
 
