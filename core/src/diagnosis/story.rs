@@ -160,19 +160,34 @@ pub fn serves_as_well([without, with, with_other]: [f64; 3], errors: [Option<f64
     without - with >= share * (without - with_other) && !matches!(errors, [Some(other), Some(own)] if own > other)
 }
 
-/// Whether a set that adds an effect to another is more probable, and the unseen rows do not speak against it. After the first step the
-/// error there has to fall: what a further effect gains may be errors of the model.
-fn pays(state: &State, logs: &[f64], at: usize, place: usize) -> bool {
+/// What unseen rows are asked of a further effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AskedOfUnseen {
+    /// That the error there falls.
+    Fall,
+    /// The same, or no rise where the gain is clear.
+    FallUnlessClear,
+}
+
+/// Whether an effect pays that gains so much in log odds, and with which the errors on unseen rows go from the first to the second. The
+/// first effect must not let them rise; of a further one more is asked, as what it gains may be errors of the model.
+pub fn pays_by(gain: f64, errors: [Option<f64>; 2], is_first: bool, asked: AskedOfUnseen) -> bool {
+    let may_stay = is_first || asked == AskedOfUnseen::FallUnlessClear && gain > CLEARLY;
+    gain > 0.0 && if may_stay { !rises(errors) } else { falls(errors) }
+}
+
+/// Whether a set that adds an effect to another is more probable, and the unseen rows do not speak against it.
+fn pays(state: &State, logs: &[f64], at: usize, place: usize, asked: AskedOfUnseen) -> bool {
     let own = &state.refits[at];
-    let errors = unseen(own, &state.refits[place]);
-    logs[place] > logs[at] && if own.effects.is_empty() { !rises(errors) } else { falls(errors) }
+    pays_by(logs[place] - logs[at], unseen(own, &state.refits[place]), own.effects.is_empty(), asked)
 }
 
 /// Effects that a story leaves out although they are more probable than nothing at a step.
 fn refused(state: &State, story: &Story) -> BTreeSet<usize> {
     let own = &state.refits[story.end()].effects;
     let is_refused = |step: &Step, one: &Addition| {
-        story.logs[one.place] > story.logs[step.before] && !pays(state, &story.logs, step.before, one.place)
+        story.logs[one.place] > story.logs[step.before]
+            && !pays(state, &story.logs, step.before, one.place, AskedOfUnseen::FallUnlessClear)
     };
     let of_step = |step: &Step| -> Vec<usize> {
         step.additions.iter().filter(|one| is_refused(step, one)).map(|one| one.effect).collect()
@@ -202,7 +217,7 @@ impl Weighed {
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further
-    /// one. A curve of one input goes before laws only where it is clearly more probable and errs no more on unseen rows; other curves only
+    /// one, unless that gains clearly and no other beginning leads further. A curve of one input goes before laws only where it is clearly more probable and errs no more on unseen rows; other curves only
     /// after them.
     pub(crate) fn story(&self, state: &State) -> Story {
         // With what the unseen rows say: users judge the error there.
@@ -213,19 +228,22 @@ impl Diagnosis {
         let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone(), ..Story::default() };
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
-            let step = self.step(state, &logs, at);
+            let mut step = self.step(state, &logs, at, AskedOfUnseen::Fall);
             let mut other = None;
+            if step.chosen.is_none() {
+                // Where nothing more is added, another beginning may lead further.
+                other = self.exchange(state, &logs, &story, 1);
+                if other.is_none() {
+                    step = self.step(state, &logs, at, AskedOfUnseen::FallUnlessClear);
+                }
+            }
             if let Some(next) = step.chosen {
                 story.sets.push(next);
                 story.steps.push(step);
                 at = next;
-            } else {
-                // Where nothing more is added, another beginning may lead further.
-                other = self.exchange(state, &logs, &story, 1);
-                if other.is_none() {
-                    story.steps.push(step);
-                    break;
-                }
+            } else if other.is_none() {
+                story.steps.push(step);
+                break;
             }
             while let Some((better, earlier)) = other.or_else(|| self.exchange(state, &logs, &story, 0)) {
                 // What was added first may stand for what is only seen now.
@@ -248,13 +266,14 @@ impl Diagnosis {
             let weighed = |one: &Addition| Weighed {
                 probability: one.probability,
                 is_curve: self.is_unknown_function(one.effect),
-                pays: pays(state, logs, step.before, one.place),
+                pays: pays(state, logs, step.before, one.place, AskedOfUnseen::FallUnlessClear),
             };
             let own = step.additions.iter().find(|one| step.chosen == Some(one.place));
             own.is_some_and(|own| weighed(own).is_contradicted(step.additions.iter().map(weighed)))
         };
         if let Some(number) = story.steps.iter().position(is_contradicted) {
-            let last = Step { chosen: None, ..self.step(state, logs, story.sets[number]) };
+            let last =
+                Step { chosen: None, ..self.step(state, logs, story.sets[number], AskedOfUnseen::FallUnlessClear) };
             story.sets.truncate(number + 1);
             story.steps.truncate(number);
             story.steps.push(last);
@@ -309,12 +328,12 @@ impl Diagnosis {
     }
 
     /// What may be added to a set.
-    fn step(&self, state: &State, logs: &[f64], at: usize) -> Step {
+    fn step(&self, state: &State, logs: &[f64], at: usize, asked: AskedOfUnseen) -> Step {
         let next: Vec<(usize, usize)> = (0..logs.len())
             .filter_map(|place| Some((added(state, at, place)?, place)))
             .filter(|one| logs[one.1].is_finite())
             .collect();
-        let pays = |place: usize| pays(state, logs, at, place);
+        let pays = |place: usize| pays(state, logs, at, place, asked);
         let most_probable = |wanted: &dyn Fn(usize) -> bool| {
             let laws = next.iter().filter(|one| !self.is_unknown_function(one.0) && pays(one.1) && wanted(one.1));
             laws.map(|one| one.1).reduce(|a, b| if logs[b] > logs[a] { b } else { a })
@@ -414,7 +433,7 @@ impl Diagnosis {
             let member =
                 state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
             let is_alike = |one: &&Addition| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain);
-            let pays = |one: &&Addition| more > 0 && pays(state, logs, step.before, one.place);
+            let pays = |one: &&Addition| more > 0 && pays(state, logs, step.before, one.place, AskedOfUnseen::Fall);
             for other in step.additions.iter().filter(|one| is_alike(one) || is_minor(*member) || pays(one)) {
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
@@ -446,7 +465,7 @@ impl Diagnosis {
             sets.push(next.unwrap_or(end));
         }
         let step = |pair: &[usize]| {
-            let own = Step { chosen: Some(pair[1]), ..self.step(state, logs, pair[0]) };
+            let own = Step { chosen: Some(pair[1]), ..self.step(state, logs, pair[0], AskedOfUnseen::FallUnlessClear) };
             let most = own.additions.iter().map(|one| one.probability).fold(0.0, f64::max);
             let is_likely = |one: &Addition| one.place == pair[1] && one.probability * RIVALS_WITHIN >= most;
             // What shows only beside the others is judged beside them.
@@ -462,7 +481,7 @@ impl Diagnosis {
         let added = state.refits[pair[1]].effects.iter().find(|one| !state.refits[pair[0]].effects.contains(one))?;
         let rest: Vec<usize> = state.refits[end].effects.iter().copied().filter(|one| one != added).collect();
         let before = state.refits.iter().position(|refit| refit.effects == rest)?;
-        Some(Step { chosen: Some(end), ..self.step(state, logs, before) })
+        Some(Step { chosen: Some(end), ..self.step(state, logs, before, AskedOfUnseen::FallUnlessClear) })
     }
 
     /// Whether an effect is an unknown function in which several inputs meet, which is asked where no law of plausible size is found.

@@ -132,6 +132,8 @@ written_struct! {
         default(false) elapsed: bool,
         /// Of these two: the effect is tried where the measured time spans at least this many seconds.
         optional least_span: f64,
+        /// Of these two: the effect is tried where the rows of transients are, by their median, at most this many seconds apart.
+        optional most_apart: f64,
         /// What it is.
         optional description: String,
     }

@@ -123,6 +123,18 @@ fn has_runs_alike(measurements: &[Measurement]) -> bool {
     lengths.first().zip(lengths.get(1)).is_some_and(|(longest, second)| *second >= COMPARABLE * longest)
 }
 
+/// Median time from one row of a transient to the next, s; 0 without transients.
+fn rows_apart_s(measurements: &[Measurement]) -> f64 {
+    let mut apart: Vec<f64> = Vec::new();
+    for measurement in measurements {
+        if let Rows::Transient { inputs, .. } = &measurement.rows {
+            apart.extend(inputs.times_s.windows(2).map(|pair| pair[1] - pair[0]));
+        }
+    }
+    apart.sort_by(f64::total_cmp);
+    apart.get(apart.len() / 2).copied().unwrap_or(0.0)
+}
+
 impl Model {
     /// The input of a clock, added where the model has none.
     pub fn clock_input(&mut self, clock: Clock) -> usize {
@@ -155,6 +167,7 @@ impl Model {
     /// Gives a model the clocks by which something may change in measurements, and these their values, `all` being those of the
     /// pass.
     pub fn set_clocks(&mut self, all: &[Measurement], measurements: &mut [Measurement]) {
+        self.clocks.rows_apart_s = rows_apart_s(all);
         for clock in Clock::ALL {
             let is_sought = clock == Clock::Date || has_runs_alike(measurements);
             if is_sought && Times::of(clock, all).is_some() {

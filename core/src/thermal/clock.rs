@@ -15,9 +15,11 @@ impl Clock {
 }
 
 /// The inputs of a model that are clocks. In a transient the time that has passed is added to their values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clocks {
     inputs: [Option<usize>; Clock::ALL.len()],
+    /// Median time from one row of a transient to the next, s; 0 where there is no transient.
+    pub rows_apart_s: f64,
 }
 
 impl Clocks {

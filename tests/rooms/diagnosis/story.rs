@@ -1,6 +1,9 @@
 //! Tests of `core/src/diagnosis/story.rs`.
 
-use bmv::diagnosis::story::{LawOfStep, Weighed, curve_goes_first, falls, rises, serves_as_well, whole_surface_first};
+use bmv::diagnosis::story::AskedOfUnseen::{Fall, FallUnlessClear};
+use bmv::diagnosis::story::{
+    LawOfStep, Weighed, curve_goes_first, falls, pays_by, rises, serves_as_well, whole_surface_first,
+};
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
 #[test]
@@ -25,6 +28,16 @@ fn errors_on_unseen_rows_rise_and_fall_by_more_than_a_twentieth() {
         assert!(!rises(none) && falls(none), "{none:?}");
     }
     assert!(!falls(of(f64::NAN)));
+}
+
+/// The first effect must not let the error rise, a further one has to let it fall, unless its gain is above ten in log odds.
+#[test]
+fn a_further_effect_pays_where_the_unseen_error_falls_or_its_gain_is_clear() {
+    let [same, lower, higher] = [1.01, 0.9, 1.06].map(|after| [Some(1.0), Some(after)]);
+    assert!(pays_by(0.1, same, true, Fall) && !pays_by(0.1, higher, true, Fall) && !pays_by(-0.1, lower, true, Fall));
+    assert!(!pays_by(11.0, same, false, Fall) && pays_by(0.1, lower, false, Fall));
+    assert!(pays_by(11.0, same, false, FallUnlessClear) && !pays_by(9.0, same, false, FallUnlessClear));
+    assert!(!pays_by(11.0, higher, false, FallUnlessClear) && pays_by(0.1, lower, false, FallUnlessClear));
 }
 
 /// Ten times as probable, and the unseen rows speak against it.

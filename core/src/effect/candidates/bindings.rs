@@ -69,7 +69,8 @@ impl EffectInputForm {
         if clock.is_some() || bound.is_clock(model) {
             let [first, last] = bound.range(model);
             let is_its_own = clock.and_then(|clock| model.clocks.get(clock)).map(Bound::Input) == Some(bound);
-            return is_its_own && self.least_span.is_none_or(|span| last - first >= span);
+            let is_seen = self.most_apart.is_none_or(|apart| model.clocks.rows_apart_s <= apart);
+            return is_its_own && is_seen && self.least_span.is_none_or(|span| last - first >= span);
         }
         if let Bound::Input(input) = bound
             && model.switches.contains(&input)
