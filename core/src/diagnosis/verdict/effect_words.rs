@@ -3,9 +3,10 @@
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::output::{Amount, EffectResult};
-use crate::diagnosis::verdict::numbers::{short, unit_of_time, with_error};
+use crate::diagnosis::verdict::numbers::{short, with_error};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::document::percent;
+use crate::document::time::unit_of_time;
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::measurement::{Rows, calendar};

@@ -38,15 +38,6 @@ pub fn rounded(value: f64, digits: usize) -> String {
     text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
 }
 
-/// The unit in which an instant this far from a start is stated: its length, s, and symbol.
-pub fn unit_of_time(seconds: f64) -> (f64, &'static str) {
-    match seconds.abs() {
-        within_an_hour if within_an_hour < 3600.0 => (60.0, "min"),
-        within_three_days if within_three_days <= 72.0 * 3600.0 => (3600.0, "h"),
-        _ => (86_400.0, "d"),
-    }
-}
-
 /// `a, b and c`.
 pub(super) fn joined(names: &[String]) -> String {
     joined_by(names, "and")
