@@ -1,8 +1,17 @@
-//! Times as people state them: in the unit that keeps their numbers short.
+//! Times, and changes in a time, as people state them: in the unit that keeps their numbers short.
 
 const MINUTE_S: f64 = 60.0;
 const HOUR_S: f64 = 3600.0;
 const DAY_S: f64 = 86_400.0;
+/// Of 365.25 days.
+const YEAR_S: f64 = 31_557_600.0;
+
+/// A change in a second below which it is stated by a longer time.
+const SLOW: f64 = 0.01;
+/// Least change that is stated by the hour or the day.
+const LEAST_CHANGE: f64 = 0.1;
+/// What flows or spreads by the second, and is never stated by a longer time.
+const FLOWS: [&str; 8] = ["m", "m2", "m^2", "m3", "m^3", "kg", "g", "mol"];
 
 /// Digits that the longest time of a record has.
 const DIGITS: i32 = 4;
@@ -19,6 +28,19 @@ pub fn unit_of_time(longest_s: f64) -> (f64, &'static str) {
         within_three_days if within_three_days <= 72.0 * HOUR_S => (HOUR_S, "h"),
         _ => (DAY_S, "d"),
     }
+}
+
+/// How a slow change is stated whose unit ends in `/s`, such as `K/s`: the length of the hour, day or year that shows it best, s, and the
+/// unit with it, such as `K/d`. `size` is in the unit. `None` where it is stated as it is.
+pub fn unit_of_rate(unit: &str, size: f64) -> Option<(f64, String)> {
+    let of = unit.strip_suffix("/s").filter(|of| !FLOWS.contains(of))?;
+    let size = size.abs();
+    if size == 0.0 || size >= SLOW || size.is_nan() {
+        return None;
+    }
+    let times = [(HOUR_S, "h"), (DAY_S, "d")].into_iter().find(|(length, _)| size * length >= LEAST_CHANGE);
+    let (length, symbol) = times.unwrap_or((YEAR_S, "yr"));
+    Some((length, format!("{of}/{symbol}")))
 }
 
 /// An instant of a record that ends at `longest_s`: `57 s`, `4.41 d`.

@@ -20,3 +20,17 @@ fn stretches_of_one_record_share_a_unit_and_are_told_apart() {
     assert_eq!(stretch(12_600.0, 12_600.0, 36_000.0), "at 3.5 h");
     assert_eq!(stretch(f64::NAN, 1.0, 10.0), "NaN to 1 s");
 }
+
+#[test]
+fn slow_changes_are_stated_by_the_hour_day_or_year() {
+    let stated = |unit: &str, size: f64| unit_of_rate(unit, size).map(|(length, unit)| (size * length, unit));
+    let (drift, unit) = stated("K/s", -1e-5).expect("a slow drift");
+    assert!((drift + 0.864).abs() < 1e-12 && unit == "K/d", "{drift} {unit}");
+    let (growth, unit) = stated("1/s", 3.2e-9).expect("a slow growth");
+    assert!((growth - 0.100_984_32).abs() < 1e-9 && unit == "1/yr", "{growth} {unit}");
+    assert_eq!(stated("K/s", 1e-3).expect("a drift").1, "K/h");
+    for (unit, size) in [("K/s", 0.02), ("K/s", 0.0), ("K/s", f64::NAN), ("K/h", 1e-5), ("kg/s", 1e-5), ("m2/s", 1e-7)]
+    {
+        assert_eq!(stated(unit, size), None, "{size} {unit}");
+    }
+}

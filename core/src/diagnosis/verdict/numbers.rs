@@ -1,5 +1,8 @@
 //! Numbers and lists as people read them.
 
+use crate::diagnosis::output::Amount;
+use crate::document::time::unit_of_rate;
+
 /// A value and its spread, to two digits of the spread.
 pub fn with_error(value: f64, sd: f64) -> String {
     let decimals = 1.0 - (crate::math::functions::ln(sd) / core::f64::consts::LN_10).floor();
@@ -16,6 +19,20 @@ pub fn with_error(value: f64, sd: f64) -> String {
     // One power of ten for both.
     let unit = crate::math::functions::pow(10.0, power);
     format!("({})e{power}", with_error(value / unit, sd / unit))
+}
+
+/// A number of a unit as it is stated: what it is to be multiplied by, and the unit with a blank before it. `size` is about as large.
+pub(super) fn stated(unit: &str, size: f64) -> (f64, String) {
+    match unit_of_rate(unit, size) {
+        Some((length, unit)) => (length, format!(" {unit}")),
+        None if unit == "1" => (1.0, String::new()),
+        None => (1.0, format!(" {unit}")),
+    }
+}
+
+/// The same of a fitted parameter.
+pub(super) fn stated_amount(amount: &Amount) -> (f64, String) {
+    stated(&amount.unit, amount.value.abs().max(amount.sd))
 }
 
 /// A number to some significant digits.
