@@ -46,7 +46,7 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
             colour: palette::MUTED,
         });
     }
-    let axis = Axis::over("Probability", 0.0, 1.0);
+    let axis = Axis::over("Probability", 0.0, 1.0).up_to(1.0);
     Some(Figure {
         id: slug(&format!("{job} probabilities")),
         drawing: bar_chart(&axis, &bars, None),
