@@ -1,6 +1,7 @@
 //! Numbers as engineers read them: as many digits as the uncertainty allows, a true minus sign, never `-0.0`, no
 //! prefixes, absolute temperatures in degrees Celsius where the study writes them so.
 
+use crate::document::time::unit_of_rate;
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::math::functions::ln;
@@ -119,6 +120,15 @@ impl Shown {
         }
     }
 
+    /// A parameter of about this size in the unit in which a study writes it: in that unit, but a slow change by the hour, day or year.
+    pub fn parameter(unit: &str, size: f64) -> Self {
+        let written = Self::written(unit);
+        match unit_of_rate(unit, size) {
+            Some((length, unit)) => Self { factor: written.factor / length, zero: 0.0, unit: typeset(&unit) },
+            None => written,
+        }
+    }
+
     /// The same unit for a difference or a spread.
     pub fn difference(&self) -> Self {
         if self.zero == 0.0 { self.clone() } else { Self { factor: self.factor, zero: 0.0, unit: "K".to_owned() } }
@@ -149,6 +159,12 @@ impl Shown {
     pub fn title(&self, name: &str) -> String {
         if self.unit.is_empty() { name.to_owned() } else { format!("{name} [{}]", self.unit) }
     }
+}
+
+/// How a number of about this size, in a unit as written, is stated: what it is to be multiplied by, and the unit, typeset. A slow change
+/// is stated by the hour, day or year.
+pub fn stated(unit: &str, size: f64) -> (f64, String) {
+    unit_of_rate(unit, size).map_or_else(|| (1.0, typeset(unit)), |(length, unit)| (length, typeset(&unit)))
 }
 
 /// A number and a unit that is typeset already, held together.

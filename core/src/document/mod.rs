@@ -1,4 +1,4 @@
-//! JSON with places: spans, quantities and units, checked maps, canonical form, hashes, diagnostics, dates.
+//! JSON with places: spans, quantities and units, checked maps, canonical form, hashes, diagnostics, dates and times.
 
 pub mod calendar;
 pub mod canonical;
@@ -19,6 +19,7 @@ pub mod result_words;
 pub mod schema;
 pub mod source;
 pub mod suggest;
+pub mod time;
 pub mod visible;
 pub mod words;
 pub mod written;

@@ -2,7 +2,8 @@
 
 use super::record::{Channel, Record};
 use crate::document::counted;
-use crate::report::number::{as_given, significant};
+use crate::document::time::{instant, unit_of_time};
+use crate::report::number::as_given;
 
 /// Rows at the end without a reading from which a channel counts as dead.
 const FEWEST_MISSING: usize = 3;
@@ -79,7 +80,10 @@ pub fn without(record: &Record, kept: &[String]) -> (Record, Vec<String>) {
         let Some(end) = end(record, at) else { continue };
         let (End::Missing(row) | End::Stuck(row, _)) = end;
         let seconds = record.times_s[row];
-        let from = format!("{seconds} s ({} h) on", significant(seconds / 3600.0, 3));
+        let from = match unit_of_time(seconds) {
+            (_, "s") => format!("{seconds} s on"),
+            _ => format!("{seconds} s ({}) on", instant(seconds, seconds)),
+        };
         let (name, rows) = (&channel.name, counted(channel.readings.len() - row, "row"));
         notes.push(match end {
             End::Missing(_) => format!(

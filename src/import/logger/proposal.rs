@@ -7,8 +7,8 @@ use super::between_rows::{BetweenRows, between_rows};
 use super::dead;
 use super::record::{Channel, Record};
 use crate::document::calendar::date_and_time;
-use crate::document::counted;
 use crate::document::suggest::{self, listed};
+use crate::document::{counted, time};
 use crate::report::number::significant;
 use crate::statistics::noise::noise;
 use crate::statistics::quantile::{quantile_sorted, sorted};
@@ -308,9 +308,9 @@ impl Proposal {
     pub fn in_words(&self, record: &Record) -> String {
         let last = record.times_s.last().copied().unwrap_or(0.0);
         let mut text = format!(
-            "{} over {} h: {}, {}\n",
+            "{} over {}: {}, {}\n",
             counted(record.times_s.len(), "instant"),
-            significant(last / 3600.0, 3),
+            time::instant(last, last),
             counted(self.sensors.len(), "sensor"),
             counted(self.inputs.len(), "input")
         );

@@ -150,7 +150,7 @@ impl Compare {
                 .filter_map(|stretch| {
                     let (from, to) = (inputs.times_s[stretch.from], inputs.times_s[stretch.to - 1]);
                     let is_own = |moment: Moment<'_>| moment.time_s.is_some_and(|t| t >= from && t <= to);
-                    summary(stretch::name(&inputs.times_s, stretch), stretch.held_out, &is_own)
+                    summary(stretch::name(inputs, stretch), stretch.held_out, &is_own)
                 })
                 .collect(),
         }
@@ -220,7 +220,7 @@ impl Compare {
         }
         Some(HeatBalance {
             measurement: measurement.name.clone(),
-            phase: stretch::name(&inputs.times_s, stretch),
+            phase: stretch::name(inputs, stretch),
             sources_w: sources / duration_s,
             into_boundaries_w: boundaries
                 .iter()
@@ -405,7 +405,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        6
+        7
     }
 
     fn identity(&self) -> Value {

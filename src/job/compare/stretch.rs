@@ -1,6 +1,7 @@
 //! A transient cut into stretches of time that an engineer would call phases.
 
-use crate::measurement::{Measurement, Rows};
+use crate::document::time;
+use crate::measurement::{InputTable, Measurement, Rows};
 
 /// Most stretches that steps of the inputs may give before equal ones are taken instead.
 const MOST_BY_STEPS: usize = 16;
@@ -49,14 +50,9 @@ pub fn stretches(measurement: &Measurement) -> Vec<Stretch> {
         .collect()
 }
 
-/// A stretch's name, by its first and last instant: `10 to 120 s`, in hours where it is long.
-pub fn name(times_s: &[f64], stretch: Stretch) -> String {
-    let (from, to) = (times_s[stretch.from], times_s[stretch.to - 1]);
-    if to >= 36_000.0 {
-        format!("{:.2} to {:.2} h", from / 3600.0, to / 3600.0)
-    } else {
-        format!("{from:.0} to {to:.0} s")
-    }
+/// A stretch's name, by its first and last instant, in the unit that suits the whole record: `10 to 120 s`.
+pub fn name(inputs: &InputTable, stretch: Stretch) -> String {
+    time::stretch(inputs.times_s[stretch.from], inputs.times_s[stretch.to - 1], inputs.longest_s())
 }
 
 /// The stretch in which deviations, each with its instant in s, have the largest root mean square; None without any.
@@ -69,5 +65,5 @@ pub fn worst(measurement: &Measurement, deviations: &[(f64, f64)]) -> Option<Str
         (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64, stretch))
     });
     let (_, stretch) = mean_squares.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(name(&inputs.times_s, stretch))
+    Some(name(inputs, stretch))
 }

@@ -4,7 +4,8 @@ use super::deviation::KELVIN;
 use super::output::{SensorSummary, Trend};
 use super::readings::{Readings, Row};
 use super::stretch;
-use crate::measurement::Measurement;
+use crate::document::time;
+use crate::measurement::{Measurement, Rows};
 
 /// Most trends named for a sensor.
 const TRENDS_NAMED: usize = 2;
@@ -41,6 +42,14 @@ pub fn fails(
         sensors.iter().map(|sensor| (sensor, excess(sensor))).filter(|(_, excess)| *excess > 1.0).collect();
     failing.sort_by(|a, b| b.1.total_cmp(&a.1));
     failing.iter().map(|(sensor, _)| sentence(sensor, sensors, measurements, trends, rows)).collect()
+}
+
+/// The last instant of a record, s.
+fn longest_s(measurement: &Measurement) -> f64 {
+    match &measurement.rows {
+        Rows::Steady(_) => 0.0,
+        Rows::Transient { inputs, .. } => inputs.longest_s(),
+    }
 }
 
 fn sentence(
@@ -86,9 +95,10 @@ fn sentence(
                 let deviations: Vec<(f64, f64)> =
                     sensor_rows.iter().filter_map(|row| Some((row.time_s?, row.deviation()))).collect();
                 let own = measurements.iter().find(|own| own.name == sensor.measurement);
+                let at = time::instant(time_s, own.map_or(time_s, longest_s));
                 match own.and_then(|own| stretch::worst(own, &deviations)) {
-                    Some(stretch) => format!("at {time_s:.0} s; worst stretch {stretch}"),
-                    None => format!("at {time_s:.0} s"),
+                    Some(stretch) => format!("at {at}; worst stretch {stretch}"),
+                    None => format!("at {at}"),
                 }
             }
             (None, None) => String::new(),

@@ -12,6 +12,8 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
     /// What stands at 1, 2, ... instead of numbers; empty for numbers.
     pub names: Vec<String>,
+    /// Largest value that there can be, such as 1 of a share: neither the range of the data nor a tick goes beyond.
+    pub most: Option<f64>,
     /// Whether it is one of probabilities near 1.
     pub is_probability: bool,
 }
@@ -27,6 +29,16 @@ impl Axis {
         Self { title: title.into(), range: Some((from, to)), ..Self::default() }
     }
 
+    /// The same axis, which ends at the largest value that there can be.
+    pub fn up_to(self, most: f64) -> Self {
+        Self { most: Some(most), ..self }
+    }
+
+    /// A range as far as there can be values.
+    pub fn within(&self, (low, high): (f64, f64)) -> (f64, f64) {
+        (low, self.most.map_or(high, |most| high.min(most)))
+    }
+
     /// An axis of probabilities, on which each nine more has the same room: 0.9, 0.99, 0.999.
     pub fn of_probability(title: impl Into<String>) -> Self {
         Self { is_probability: true, ..Self::over(title, 0.0, 1.0) }
@@ -34,7 +46,7 @@ impl Axis {
 
     /// An axis of names, the first at 1, with half a step of room at either end.
     pub fn of_names(title: impl Into<String>, names: Vec<String>) -> Self {
-        Self { title: title.into(), range: Some((0.5, names.len() as f64 + 0.5)), names, is_probability: false }
+        Self { title: title.into(), range: Some((0.5, names.len() as f64 + 0.5)), names, ..Self::default() }
     }
 
     /// The ticks of a horizontal axis with this scale.

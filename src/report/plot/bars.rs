@@ -33,6 +33,7 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
     let ends = bars.iter().map(|b| text_width(&b.text, TEXT)).fold(0.0, f64::max) + 24.0;
     let values = bars.iter().flat_map(|b| [b.from, b.value].into_iter().chain(b.interval.into_iter().flatten()));
     let (low, high) = axis.range.or_else(|| range_of(values.chain(marker.map(|m| m.0)))).unwrap_or((0.0, 1.0));
+    let (low, high) = axis.within((low, high));
     // Room for the texts at the bars' ends.
     let share = (ends / (right - left)).min(0.6);
     let scale = Scale::new((low, high + (high - low) * share / (1.0 - share)), (left, right), 7);
@@ -40,7 +41,7 @@ pub fn bar_chart(axis: &Axis, bars: &[Bar], marker: Option<(f64, &str)>) -> Draw
     draw(height as u32, |canvas| {
         let title = &axis.title;
         canvas.columns(["bar", "from", title, "lower", "upper", "text"]);
-        for (value, label) in scale.ticks() {
+        for (value, label) in scale.ticks().into_iter().filter(|tick| axis.most.is_none_or(|most| tick.0 <= most)) {
             let at = scale.at(value);
             canvas.path(&[(at, top), (at, bottom)], GRID, 2);
             canvas.text(&label, (at, bottom + 34.0), Lettering::new(TEXT, INK).at(Anchor::Middle));

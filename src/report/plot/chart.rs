@@ -347,6 +347,7 @@ impl Chart {
             // Bars stand on the axis.
             if self.layers.iter().any(|l| matches!(l, Layer::Bars { .. })) { (0.0, high) } else { (low, high) }
         });
+        let y_range = self.y.within(y_range);
         let upright = (inner_bottom, inner_top.min(inner_bottom - 10.0));
         let y = if self.y.is_probability {
             Scale::of_probability(upright)

@@ -1,11 +1,10 @@
 //! Adopted effects: what the pass adds to the model's physics, where, with which priors, and why.
 
-use crate::report::number::Shown;
 use crate::report::page::{Block, Cell, Column, Section, Table, Text};
 use crate::report::view::PassReport;
 
 use super::Entry;
-use super::problem::prior_words;
+use super::problem::{parameter_shown, prior_words};
 
 /// The section.
 pub(super) const SECTION: Entry = Entry::plain(build);
@@ -60,8 +59,8 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
     let rows: Vec<Vec<Cell>> = parameters
         .filter_map(|index| report.model.parameters.get(index))
         .map(|parameter| {
-            let shown = Shown::written(&parameter.unit);
             let prior = report.priors.iter().find(|prior| prior.0 == parameter.name);
+            let shown = parameter_shown(parameter, prior.map(|prior| &prior.1));
             vec![
                 Cell::code(&parameter.name),
                 shown.unit.clone().into(),

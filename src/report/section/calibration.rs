@@ -6,7 +6,7 @@ mod figures;
 use crate::document::{counted, p_value};
 use crate::job::calibrate::{Evidence, Kind, Output, ParameterSummary, PhaseScore};
 use crate::job::compare;
-use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error};
+use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, stated, typeset, with_error};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
@@ -70,15 +70,16 @@ fn of_each(
 /// Mean, spread and quantiles of the draws.
 fn posterior(output: &Output) -> Block {
     let row = |name: &String, summary: &ParameterSummary| {
-        let quantile = |value: f64| Cell::from(to(value, summary.sd));
+        let (times, unit) = stated(&summary.unit, summary.mean.abs().max(summary.sd));
+        let quantile = |value: f64| Cell::from(to(times * value, times * summary.sd));
         vec![
             Cell::code(name),
             quantile(summary.mean),
-            significant(summary.sd, 2).into(),
+            significant(times * summary.sd, 2).into(),
             quantile(summary.q025),
             quantile(summary.q50),
             quantile(summary.q975),
-            typeset(&summary.unit).into(),
+            unit.into(),
         ]
     };
     Block::Table(Table {
@@ -228,23 +229,26 @@ fn parameters(output: &Output) -> Block {
         };
         let is_few = |ess: Option<f64>| ess.is_none_or(|ess| ess < LEAST_EFFECTIVE);
         let few = is_few(summary.ess_bulk) || is_few(summary.ess_tail);
+        let size = summary.mean.abs().max(summary.sd);
+        let (times, unit) = stated(&summary.unit, size);
+        let to = |value: f64, sd: f64| to(times * value, times * sd);
         let prior = match &summary.posterior_prior {
             Some(prior) => format!(
                 "{} \u{00B1} {}, draws of {}",
                 to(prior.mean, prior.sd),
-                significant(prior.sd, 2),
+                significant(times * prior.sd, 2),
                 prior.source.replace('`', "")
             ),
-            None => prior_words(&summary.prior, &Shown::written(&summary.unit)),
+            None => prior_words(&summary.prior, &Shown::parameter(&summary.unit, size)),
         };
         vec![
             Cell::code(name),
             prior.into(),
             to(summary.mean, summary.sd).into(),
-            significant(summary.sd, 2).into(),
+            significant(times * summary.sd, 2).into(),
             format!("{} to {}", to(summary.q025, summary.sd), to(summary.q975, summary.sd)).into(),
             to(summary.map, summary.sd).into(),
-            typeset(&summary.unit).into(),
+            unit.into(),
             at_bound(summary),
             rhat(summary),
             Cell { text: ess.into(), status: few.then_some(Status::Fail) },

@@ -1,7 +1,8 @@
 //! The measurements: files, sensors, what is missing, held out or left out and why.
 
+use crate::document::time;
 use crate::measurement::{Initial, Measurement, Rows, Sensor, Uncertain};
-use crate::report::number::{NONE, Shown, fixed, significant};
+use crate::report::number::{NONE, Shown};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text};
 use crate::report::view::PassReport;
 
@@ -37,7 +38,7 @@ fn overview(measurement: &Measurement) -> Block {
         Rows::Steady(_) => ("steady phases".to_owned(), "Phases"),
         Rows::Transient { inputs, initial, .. } => {
             let span = match (inputs.times_s.first(), inputs.times_s.last()) {
-                (Some(a), Some(b)) => format!(" from {} to {} s", significant(*a, 5), significant(*b, 5)),
+                (Some(from), Some(to)) => format!(", {}", time::stretch(*from, *to, inputs.longest_s())),
                 _ => String::new(),
             };
             let start = match initial {
@@ -133,7 +134,7 @@ fn left_out(measurement: &Measurement) -> Option<Block> {
             let mut run: Option<(f64, f64, &String)> = None;
             let mut close = |run: Option<(f64, f64, &String)>| {
                 if let Some((from, to, reason)) = run {
-                    let stretch = format!("{} to {} s", fixed(from, 1), fixed(to, 1));
+                    let stretch = time::stretch(from, to, inputs.longest_s());
                     rows.push(vec![Cell::from(stretch), Cell::from(reason.clone())]);
                 }
             };

@@ -11,7 +11,7 @@ use crate::diagnosis::output::{Amount, DiscriminatingExperiment, EffectResult, O
 use crate::document::{counted, p_stated, p_value};
 use crate::job::diagnose::Kind;
 use crate::measurement::Sensor;
-use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, typeset, with_error, with_unit};
+use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, stated, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
@@ -126,7 +126,11 @@ const SMALL_AREA: f64 = 0.01;
 pub(crate) fn amount(amount: &Amount) -> String {
     // Areas of a few square centimetres are read as such.
     let is_small_area = amount.unit == "m2" && amount.value.abs() < SMALL_AREA && amount.sd < SMALL_AREA;
-    let (factor, unit) = if is_small_area { (1e4, "cm\u{00B2}".to_owned()) } else { (1.0, typeset(&amount.unit)) };
+    let (factor, unit) = if is_small_area {
+        (1e4, "cm\u{00B2}".to_owned())
+    } else {
+        stated(&amount.unit, amount.value.abs().max(amount.sd))
+    };
     let (value, sd) = (factor * amount.value, factor * amount.sd);
     if amount.at_bound {
         return format!("{}, at a bound", with_unit(&significant(value, 3), &unit));

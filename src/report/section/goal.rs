@@ -186,7 +186,7 @@ fn figure(job: &str, output: &Output) -> Option<Figure> {
     }
     let mut chart = Chart {
         x: Axis::new("standard deviation that is left, by the prior's"),
-        y: Axis::new("probability that all requirements are met"),
+        y: Axis::new("probability that all requirements are met").up_to(1.0),
         limits: vec![Limit {
             along: Along::Y,
             value: output.required,

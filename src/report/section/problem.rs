@@ -4,6 +4,7 @@ use crate::random::Distribution;
 use crate::report::number::{NONE, Shown, as_given, probability};
 use crate::report::page::{Block, Cell, Column, Section, Table, Text};
 use crate::report::view::PassReport;
+use crate::thermal::Parameter;
 
 use super::Entry;
 
@@ -94,6 +95,13 @@ pub fn prior_words(prior: &Distribution, shown: &Shown) -> String {
     }
 }
 
+/// How a parameter is shown by its nominal value, or by its prior's spread where that is larger.
+pub fn parameter_shown(parameter: &Parameter, prior: Option<&Distribution>) -> Shown {
+    let spread = prior.map_or(0.0, Distribution::sd);
+    let size = parameter.nominal.abs().max(if spread.is_finite() { spread } else { 0.0 });
+    Shown::parameter(&parameter.unit, Shown::written(&parameter.unit).difference().value(size))
+}
+
 fn parameters(report: &PassReport<'_>) -> Vec<Block> {
     if report.model.parameters.is_empty() {
         return Vec::new();
@@ -103,8 +111,8 @@ fn parameters(report: &PassReport<'_>) -> Vec<Block> {
         .parameters
         .iter()
         .map(|parameter| {
-            let shown = Shown::written(&parameter.unit);
             let prior = report.priors.iter().find(|p| p.0 == parameter.name);
+            let shown = parameter_shown(parameter, prior.map(|prior| &prior.1));
             let draws = report.posterior_priors.iter().find(|(name, _)| *name == parameter.name);
             let prior = match draws {
                 Some((_, source)) => format!("draws of {}", source.replace('`', "")),

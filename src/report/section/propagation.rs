@@ -384,7 +384,7 @@ pub(super) fn histogram(case: &Case, q: &Distributed, job: &str, is_small: bool)
     let total: u64 = q.histogram_counts.iter().sum();
     let chart = Chart {
         x: Axis::new(shown.title(&q.name)),
-        y: Axis::new("share of samples [%]"),
+        y: Axis::new("share of samples [%]").up_to(100.0),
         layers: vec![Layer::Bars {
             edges: q.histogram_edges.iter().map(|&e| shown.value(e)).collect(),
             heights: q.histogram_counts.iter().map(|&c| 100.0 * c as f64 / total.max(1) as f64).collect(),

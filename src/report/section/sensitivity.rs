@@ -245,7 +245,7 @@ fn shares(job: &str, output: &Output, case: &Case, quantity: &OfQuantity, sobol:
     );
     Figure {
         id: format!("{job}-{}-{}-shares", case.environment, quantity.name),
-        drawing: bar_chart(&Axis::new("share of the variance"), &bars, None),
+        drawing: bar_chart(&Axis::new("share of the variance").up_to(1.0), &bars, None),
         alternative: format!("Bar chart. {caption}"),
         caption: caption.into(),
     }

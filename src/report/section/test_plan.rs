@@ -2,6 +2,7 @@
 
 mod brief;
 
+use crate::document::time::unit_of_time;
 use crate::job::test_plan::{Kind, Limited, Output, PlannedPhase, Probability};
 use crate::report::number::{self, NONE, Shown, probability, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
@@ -55,10 +56,8 @@ pub(super) fn time(seconds: f64) -> String {
     if seconds == 0.0 {
         return "0\u{A0}h".to_owned();
     }
-    if seconds < 2.0 * HOUR_S {
-        return number::with_unit(&significant(seconds / 60.0, 2), "min");
-    }
-    number::with_unit(&significant(seconds / HOUR_S, 3), "h")
+    let (length, unit) = unit_of_time(seconds);
+    number::with_unit(&significant(seconds / length, if unit == "min" { 2 } else { 3 }), unit)
 }
 
 fn time_or_none(seconds: Option<f64>) -> String {

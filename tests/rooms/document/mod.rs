@@ -9,5 +9,6 @@ mod number;
 mod other_tools;
 mod source;
 mod suggest;
+mod time;
 mod visible;
 mod words;

@@ -3,9 +3,10 @@
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::output::{Amount, EffectResult};
-use crate::diagnosis::verdict::numbers::{short, unit_of_time, with_error};
+use crate::diagnosis::verdict::numbers::{short, stated_amount, with_error};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::document::percent;
+use crate::document::time::unit_of_time;
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::measurement::{Rows, calendar};
@@ -27,15 +28,18 @@ pub fn size(effect: &EffectResult, onset: Option<&Amount>) -> String {
     let is_onset = |amount: &Amount| onset.is_some_and(|onset| std::ptr::eq(onset, amount));
     let first = effect.amplitudes.iter().find(|(_, amount)| !is_onset(amount)).filter(|(name, _)| *name != FIRST_KNOT);
     first.map_or_else(String::new, |(name, amount)| {
-        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
+        let (times, unit) = stated_amount(amount);
         if amount.at_bound {
-            return format!(", {name} {}{unit}, at a bound", short(amount.value, 3));
+            return format!(", {name} {}{unit}, at a bound", short(times * amount.value, 3));
         }
-        let mean = with_error(amount.value, amount.sd);
+        let mean = with_error(times * amount.value, times * amount.sd);
         if (amount.most_probable - amount.value).abs() <= ELSEWHERE * amount.sd {
             return format!(", {name} {mean}{unit}");
         }
-        format!(", {name} {mean}{unit} (most probable with all others {}{unit})", short(amount.most_probable, 4))
+        format!(
+            ", {name} {mean}{unit} (most probable with all others {}{unit})",
+            short(times * amount.most_probable, 4)
+        )
     })
 }
 
@@ -149,8 +153,8 @@ pub(super) fn too_narrow(effect: &EffectResult, problem: &Problem) -> String {
         format!(", and its prior says {ends}{text}")
     });
     let wanted = effect.amplitudes.values().next().map_or_else(String::new, |amount| {
-        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
-        format!(" wants to be {}{unit}", with_error(amount.value, amount.sd))
+        let (times, unit) = stated_amount(amount);
+        format!(" wants to be {}{unit}", with_error(times * amount.value, times * amount.sd))
     });
     format!(
         "A prior is too narrow, or a number is wrong: `{name}`{wanted}{held} ({}); probability {}, log Bayes factor {:.1}. Check this before anything is added to the model.",

@@ -5,6 +5,7 @@ use crate::diagnosis::output::{DiscriminatingExperiment, DiscriminatingStep, One
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::numbers::{joined, rounded, short};
 use crate::diagnosis::verdict::tested::{self, FAR_BEYOND_K, Tested};
+use crate::document::time::unit_of_time;
 use crate::document::{percent, upper};
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
@@ -73,12 +74,8 @@ impl DiscriminatingStep {
 
 /// A duration in the unit that suits it.
 pub fn time(seconds: f64) -> String {
-    match seconds {
-        short_time if short_time < 120.0 => format!("{} s", rounded(short_time, 2)),
-        middling if middling < 7200.0 => format!("{} min", rounded(middling / 60.0, 2)),
-        long if long < 172_800.0 => format!("{} h", rounded(long / 3600.0, 2)),
-        days => format!("{} d", rounded(days / 86_400.0, 2)),
-    }
+    let (length, unit) = unit_of_time(seconds);
+    format!("{} {unit}", rounded(seconds / length, 2))
 }
 
 impl OneThing {

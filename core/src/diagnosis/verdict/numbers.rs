@@ -1,5 +1,8 @@
 //! Numbers and lists as people read them.
 
+use crate::diagnosis::output::Amount;
+use crate::document::time::unit_of_rate;
+
 /// A value and its spread, to two digits of the spread.
 pub fn with_error(value: f64, sd: f64) -> String {
     let decimals = 1.0 - (crate::math::functions::ln(sd) / core::f64::consts::LN_10).floor();
@@ -16,6 +19,20 @@ pub fn with_error(value: f64, sd: f64) -> String {
     // One power of ten for both.
     let unit = crate::math::functions::pow(10.0, power);
     format!("({})e{power}", with_error(value / unit, sd / unit))
+}
+
+/// A number of a unit as it is stated: what it is to be multiplied by, and the unit with a blank before it. `size` is about as large.
+pub(super) fn stated(unit: &str, size: f64) -> (f64, String) {
+    match unit_of_rate(unit, size) {
+        Some((length, unit)) => (length, format!(" {unit}")),
+        None if unit == "1" => (1.0, String::new()),
+        None => (1.0, format!(" {unit}")),
+    }
+}
+
+/// The same of a fitted parameter.
+pub(super) fn stated_amount(amount: &Amount) -> (f64, String) {
+    stated(&amount.unit, amount.value.abs().max(amount.sd))
 }
 
 /// A number to some significant digits.
@@ -36,15 +53,6 @@ pub fn short(value: f64, digits: usize) -> String {
 pub fn rounded(value: f64, digits: usize) -> String {
     let text = short(value, digits);
     text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
-}
-
-/// The unit in which an instant this far from a start is stated: its length, s, and symbol.
-pub fn unit_of_time(seconds: f64) -> (f64, &'static str) {
-    match seconds.abs() {
-        within_an_hour if within_an_hour < 3600.0 => (60.0, "min"),
-        within_three_days if within_three_days <= 72.0 * 3600.0 => (3600.0, "h"),
-        _ => (86_400.0, "d"),
-    }
 }
 
 /// `a, b and c`.

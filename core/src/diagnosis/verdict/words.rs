@@ -10,7 +10,7 @@ use crate::diagnosis::verdict::effect_words::{
 };
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::findings::Findings;
-use crate::diagnosis::verdict::numbers::{joined, kelvins, short, with_error};
+use crate::diagnosis::verdict::numbers::{joined, kelvins, short, stated_amount, with_error};
 use crate::diagnosis::verdict::one_kind::one_kind;
 use crate::diagnosis::verdict::small_effects::is_curve_of_few_phases;
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
@@ -90,8 +90,8 @@ fn law(output: &Output, effect: &EffectResult, problem: &Problem) -> Option<Stri
         ));
     };
     let sizes = law.amplitudes.iter().map(|(name, amount)| {
-        let unit = if amount.unit == "1" { String::new() } else { format!(" {}", amount.unit) };
-        format!("{name} {}{unit}", with_error(amount.value, amount.sd))
+        let (times, unit) = stated_amount(amount);
+        format!("{name} {}{unit}", with_error(times * amount.value, times * amount.sd))
     });
     let form: Option<serde_json::Value> = serde_json::from_str(&file.text).ok();
     let equation =

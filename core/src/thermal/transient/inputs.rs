@@ -25,6 +25,11 @@ pub struct InputTable {
 }
 
 impl InputTable {
+    /// The instant farthest from zero, s.
+    pub fn longest_s(&self) -> f64 {
+        self.times_s.iter().fold(0.0, |longest, time_s| longest.max(time_s.abs()))
+    }
+
     /// Value of an input from a row on, SI.
     pub fn in_row(&self, row: usize, input: usize) -> f64 {
         match self.columns.iter().find(|column| column.input == input) {

@@ -30,9 +30,9 @@ impl Brief for Calibration {
     fn essentials(output: &Output) -> Vec<(String, String)> {
         let mut rows: Vec<(String, String)> = super::shown(output)
             .map(|(name, summary)| {
-                let unit =
-                    if summary.unit == "1" { String::new() } else { format!(" {}", number::typeset(&summary.unit)) };
-                (name.clone(), format!("{}{unit}", number::with_error(summary.mean, summary.sd)))
+                let (times, unit) = number::stated(&summary.unit, summary.mean.abs().max(summary.sd));
+                let value = number::with_error(times * summary.mean, times * summary.sd);
+                (name.clone(), if unit.is_empty() { value } else { format!("{value} {unit}") })
             })
             .collect();
         let is_trusted = if output.log_evidence.is_trusted() { "" } else { ", not to be trusted" };

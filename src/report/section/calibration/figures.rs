@@ -1,6 +1,7 @@
 //! Figures of a calibration: correlations, predictions in time, traces and ranks.
 
 use crate::document::counted;
+use crate::document::time::unit_of_time;
 use crate::job::calibrate::{Output, SensorPredictive};
 use crate::report::number::Shown;
 use crate::report::page::{Block, Figure, Text};
@@ -129,10 +130,12 @@ fn prediction(job: &str, check: &SensorPredictive) -> Option<Figure> {
         return None;
     }
     let shown = Shown::quantity(&check.unit, check.unit == "K");
+    let (length, unit) = unit_of_time(rows.iter().map(|(time, _)| *time).fold(0.0, f64::max));
+    let rows: Vec<_> = rows.into_iter().map(|(time, row)| (time / length, row)).collect();
     let held_out: Vec<f64> = rows.iter().filter(|(_, row)| row.held_out).map(|(time, _)| *time).collect();
     let shade = held_out.iter().copied().reduce(f64::min).zip(held_out.iter().copied().reduce(f64::max));
     let chart = Chart {
-        x: Axis::new("Time, s"),
+        x: Axis::new(format!("time [{unit}]")),
         y: Axis::new(shown.title(&check.sensor)),
         layers: vec![
             Layer::Band {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::document::counted;
+use crate::document::time::unit_of_time;
 use crate::job::compare::{Kind, Output, Row, SensorSummary, Table};
 use crate::report::number::{NONE, signed};
 use crate::report::page::{Block, Figure, Text};
@@ -262,15 +263,10 @@ fn of_sensor<'a>(output: &'a Output, measurement: &str, sensor: &str) -> Vec<Row
     rows.filter(|row| row.time_s.is_some()).collect()
 }
 
-/// Time in the unit that keeps its numbers short.
-fn time_unit(times: &[(f64, bool)]) -> (f64, &'static str) {
-    let last = times.iter().map(|(time_s, _)| *time_s).fold(0.0, f64::max);
-    match last {
-        last if last > 72.0 * 3600.0 => (86_400.0, "time [d]"),
-        last if last > 2.0 * 3600.0 => (3600.0, "time [h]"),
-        last if last > 600.0 => (60.0, "time [min]"),
-        _ => (1.0, "time [s]"),
-    }
+/// Time in the unit that keeps its numbers short, and the title of its axis.
+fn time_axis(times: &[(f64, bool)]) -> (f64, String) {
+    let (per, unit) = unit_of_time(times.iter().map(|(time_s, _)| *time_s).fold(0.0, f64::max));
+    (per, format!("time [{unit}]"))
 }
 
 fn scaled(mut shades: Vec<Shade>, unit: f64) -> Vec<Shade> {
@@ -286,7 +282,7 @@ fn strips(job: &str, output: &Output, measurement: &str) -> Figure {
     let tables = output.rows.of_measurement(measurement);
     let moments = tables.flat_map(Table::moments_read);
     let times: Vec<(f64, bool)> = moments.filter_map(|own| Some((own.time_s?, own.held_out))).collect();
-    let (per, title) = time_unit(&times);
+    let (per, title) = time_axis(&times);
     let strips: Vec<Strip> = sensors
         .iter()
         .map(|(sensor, _)| Strip {
@@ -302,7 +298,7 @@ fn strips(job: &str, output: &Output, measurement: &str) -> Figure {
     let shaded = if shades.is_empty() { "" } else { "; the shaded time is held out from every fit" };
     Figure {
         id: format!("{job}-{measurement}-residuals"),
-        drawing: residual_strips(title, &format!("dev. [{unit}]"), &strips, &shades),
+        drawing: residual_strips(&title, &format!("dev. [{unit}]"), &strips, &shades),
         caption: Text::new("Measured minus predicted over time, ").code(measurement).plain(format!("{shaded}.")),
         alternative: format!(
             "Residuals over time, one strip for each of {} of {measurement}{shaded}.",
@@ -336,7 +332,7 @@ pub(in crate::report::section) fn time_history(
     let unit = rows.first().map_or("", |r| r.unit);
     let shown = report.sensor_shown(measurement, sensor, unit);
     let times: Vec<(f64, bool)> = rows.iter().filter_map(|row| Some((row.time_s?, row.held_out))).collect();
-    let (per, title) = time_unit(&times);
+    let (per, title) = time_axis(&times);
     let shades = scaled(held_out(times), per);
     let shaded = if shades.is_empty() { "" } else { " The shaded time is held out from every fit." };
     let point = |row: &Row<&str>| {
@@ -349,7 +345,7 @@ pub(in crate::report::section) fn time_history(
         points.extend(part.iter().map(point));
     }
     let data = History {
-        x_title: title.into(),
+        x_title: title,
         y_title: shown.title(sensor),
         residual_title: shown.difference().title(if is_small { "dev." } else { "meas. \u{2212} pred." }),
         points,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::Output;
 use crate::document::counted;
-use crate::report::number::{significant, typeset, with_unit};
+use crate::report::number::{significant, stated, with_unit};
 use crate::report::page::{Block, Cell, Column, Table};
 
 /// Kinds in the table.
@@ -43,7 +43,10 @@ pub(super) fn table(output: &Output) -> Option<Block> {
         String::new()
     };
     let rows = kinds.into_iter().take(MOST_KINDS).map(|((effect, unit), kind)| {
-        let shown = |value: f64| with_unit(&significant(value, 2), &typeset(unit));
+        let shown = |value: f64| {
+            let (times, unit) = stated(unit, value);
+            with_unit(&significant(times * value, 2), &unit)
+        };
         vec![
             Cell::code(effect),
             kind.places.to_string().into(),

@@ -3,7 +3,7 @@
 use super::chance;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Heat, Output};
-use crate::diagnosis::verdict::numbers::unit_of_time;
+use crate::document::time::unit_of_time;
 use crate::report::number::significant;
 use crate::report::page::{Block, Figure, slug};
 use crate::report::plot::{Axis, Bar, HeatMap, bar_chart, heat_map, palette};
@@ -12,9 +12,6 @@ use crate::report::plot::{Axis, Bar, HeatMap, bar_chart, heat_map, palette};
 const MOST_BARS: usize = 8;
 /// Rows of the map.
 const MOST_ROWS: usize = 40;
-
-/// From here on an instant is stated in hours or days, s.
-const LONG_S: f64 = 36_000.0;
 
 /// The figures of a job.
 pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
@@ -49,7 +46,7 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
             colour: palette::MUTED,
         });
     }
-    let axis = Axis::over("Probability", 0.0, 1.0);
+    let axis = Axis::over("Probability", 0.0, 1.0).up_to(1.0);
     Some(Figure {
         id: slug(&format!("{job} probabilities")),
         drawing: bar_chart(&axis, &bars, None),
@@ -62,7 +59,6 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
 pub(super) fn stretch(phase: Option<&str>, time_s: Option<f64>) -> String {
     match (phase, time_s) {
         (Some(phase), _) => phase.to_owned(),
-        (None, Some(time)) if time.abs() < LONG_S => format!("{} s", significant(time, 4)),
         (None, Some(time)) => {
             let (length, unit) = unit_of_time(time);
             format!("{} {unit}", significant(time / length, 4))

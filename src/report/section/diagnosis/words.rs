@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::diagnosis::output::{Amount, EffectResult, Output};
-use crate::diagnosis::verdict::numbers::unit_of_time;
+use crate::document::time::unit_of_time;
 use crate::document::{counted, p_stated};
 use crate::math::functions::atan2;
 use crate::report::number::fixed;
@@ -149,7 +149,17 @@ pub(super) fn as_time(when: &Amount) -> Amount {
 /// A time in the unit that suits it.
 fn time(seconds: f64) -> String {
     let (length, unit) = unit_of_time(seconds);
-    format!("{}\u{A0}{unit}", fixed(seconds / length, if unit == "min" { 1 } else { 2 }))
+    format!(
+        "{}\u{A0}{unit}",
+        fixed(
+            seconds / length,
+            match unit {
+                "s" => 0,
+                "min" => 1,
+                _ => 2,
+            }
+        )
+    )
 }
 
 /// From when on an effect is there: the number of a phase, the time in a record, or that into every run.

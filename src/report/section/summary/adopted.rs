@@ -2,7 +2,7 @@
 
 use crate::expression::Unit;
 use crate::job::calibrate::{self, ParameterSummary};
-use crate::report::number::{fixed, significant, typeset, with_error, with_unit};
+use crate::report::number::{self, fixed, significant, with_error, with_unit};
 use crate::report::page::{Block, Statement, Status, Text, Tone};
 use crate::report::section::diagnosis::{chance, since_s, since_start_s};
 use crate::report::view::PassReport;
@@ -45,7 +45,7 @@ fn adopted_size(report: &PassReport<'_>, effect: &AdoptedEffect) -> Option<Size>
 fn stated(parameter: &str, unit: &str, value: f64, sd: Option<f64>) -> String {
     let (scale, unit) = match (parameter, unit) {
         ("change", "1") => (100.0, "%".to_owned()),
-        _ => (1.0, typeset(unit)),
+        _ => number::stated(unit, sd.unwrap_or(0.0).max(value.abs())),
     };
     let text = sd.map_or_else(|| significant(scale * value, 4), |sd| with_error(scale * value, scale * sd));
     with_unit(&text, &unit)

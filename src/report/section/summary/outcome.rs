@@ -443,8 +443,16 @@ pub(super) fn of_calibration(output: &calibrate::Output) -> Option<Statement> {
     if !output.converged {
         return None;
     }
+    // Mean and standard deviation before, in the parameter's unit.
+    let before = |summary: &calibrate::ParameterSummary| match &summary.posterior_prior {
+        Some(prior) => (prior.mean, prior.sd),
+        None => {
+            let shown = Shown::written(&summary.unit);
+            (shown.value(summary.prior.mean()), shown.difference().value(summary.prior.sd()))
+        }
+    };
     let gain = |summary: &calibrate::ParameterSummary| {
-        let prior = summary.posterior_prior.as_ref().map_or_else(|| summary.prior.sd(), |prior| prior.sd);
+        let (_, prior) = before(summary);
         (summary.sd > 0.0 && prior.is_finite()).then(|| prior / summary.sd)
     };
     let known = output.order.iter().take(output.model_parameters as usize);
@@ -452,15 +460,16 @@ pub(super) fn of_calibration(output: &calibrate::Output) -> Option<Statement> {
         .filter_map(|name| output.parameters.get(name).map(|summary| (name, summary)))
         .filter_map(|(name, summary)| Some((name, summary, gain(summary)?)))
         .max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let prior_sd = summary.posterior_prior.as_ref().map_or_else(|| summary.prior.sd(), |prior| prior.sd);
-    let prior_mean = summary.posterior_prior.as_ref().map_or_else(|| summary.prior.mean(), |prior| prior.mean);
-    let unit = number::typeset(&summary.unit);
+    let (prior_mean, prior_sd) = before(summary);
+    let (times, unit) = number::stated(&summary.unit, summary.mean.abs().max(summary.sd));
     let presses = summary.at_bound > PRESSES;
-    let text =
-        format!("the parameter that the calibration tells most of; before {}.", with_error(prior_mean, prior_sd));
+    let text = format!(
+        "the parameter that the calibration tells most of; before {}.",
+        with_error(times * prior_mean, times * prior_sd)
+    );
     Some(Statement {
         label: format!("Measured: {name}"),
-        value: with_unit(&with_error(summary.mean, summary.sd), &unit),
+        value: with_unit(&with_error(times * summary.mean, times * summary.sd), &unit),
         text: text.into(),
         status: presses.then_some(Status::Caution),
     })

@@ -54,3 +54,12 @@ fn the_worst_stretch_of_a_sensor_is_where_its_own_error_is_largest() {
     assert_eq!(worst(&m, &deviations).as_deref(), Some("50 to 90 s"));
     assert_eq!(worst(&m, &[]), None);
 }
+
+#[test]
+fn stretches_of_long_records_are_named_in_days() {
+    let mut m = transient(false, (0..45).map(f64::from).collect(), vec![false; 45]);
+    let Rows::Transient { inputs, .. } = &mut m.rows else { panic!("a transient") };
+    inputs.times_s = (0..45).map(|day| 86_400.0 * f64::from(day)).collect();
+    let deviations: Vec<(f64, f64)> = (0..45).map(|day| (86_400.0 * f64::from(day), f64::from(day))).collect();
+    assert_eq!(worst(&m, &deviations).as_deref(), Some("40 to 44 d"));
+}

@@ -1,4 +1,5 @@
 mod axis;
+mod bars;
 mod canvas;
 mod contours;
 mod heat_map;
