@@ -23,12 +23,16 @@ const SIGMA: f64 = 0.2;
 const SENSORS: &str = r#""sensors": {"plate": {"measures": "plate", "sigma": {"value": 0.2, "unit": "K"}},
     "box": {"measures": "box", "sigma": {"value": 0.2, "unit": "K"}}}"#;
 
-fn diagnosed(table: &str, measurement: &str) -> (Problem, Output) {
+fn studied(table: &str, measurement: &str) -> Problem {
     let pass = format!(
         r#"{{"format": "bmv-pass/1", "title": "Turns", "parent": null, "model": "model.json", "seed": 3,
         "measurements": {{"test": {measurement}}}, "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#
     );
-    let problem = small_study::problem(&[("model.json", MODEL), ("data.csv", table), ("pass-1.json", &pass)]);
+    small_study::problem(&[("model.json", MODEL), ("data.csv", table), ("pass-1.json", &pass)])
+}
+
+fn diagnosed(table: &str, measurement: &str) -> (Problem, Output) {
+    let problem = studied(table, measurement);
     let key = StreamKey::new(7, "turns", "diagnosis");
     let output = Diagnosis::new(problem.clone(), Settings::default(), key).run().expect("a diagnosis");
     (problem, output)
@@ -75,11 +79,27 @@ fn diagnosed_days(day: impl Fn(f64) -> f64) -> Output {
         plate += 10.0 * (power - 0.5 * (plate - 290.0) - through) / 20_000.0;
         cabinet += 10.0 * (through + day(t)) / 5000.0;
     }
-    let measurement = format!(
+    diagnosed(&table, &transient()).1
+}
+
+fn transient() -> String {
+    format!(
         r#"{{"transient": {{"file": "data.csv", "hold": ["Q"], "inputs": {{"roll": {{"value": 0, "unit": "deg"}}}},
         "initial": {{"temperatures": {{"all": 290}}}}, {SENSORS}}}}}"#
-    );
-    diagnosed(&table, &measurement).1
+    )
+}
+
+/// A law of the hours of a day needs rows within the day: four of them, by the median.
+#[test]
+fn rows_a_day_apart_tell_nothing_of_the_hours() {
+    let is_daily = |apart_s: u32| {
+        let rows = (0..40_u32).map(|row| format!("{},{},290,290\n", row * apart_s, row % 2));
+        let table: String = std::iter::once("time [s],Q [W],plate [K],box [K]\n".to_owned()).chain(rows).collect();
+        let candidates = studied(&table, &transient()).candidates;
+        assert!(candidates.iter().any(|candidate| candidate.effect == "dated-load"), "{apart_s}");
+        candidates.iter().any(|candidate| candidate.effect.starts_with("daily-"))
+    };
+    assert!(is_daily(21_600) && !is_daily(21_601) && !is_daily(86_400));
 }
 
 #[test]
