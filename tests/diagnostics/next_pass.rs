@@ -129,6 +129,11 @@ fn same_prior(one: &Distribution, other: &Distribution) -> bool {
 #[test]
 fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
     let study = study();
+    // Rows within a day, for laws of its hours.
+    study.put(
+        "data/run.csv",
+        "time [s],Q [W],TC box [degC]\n0,6,17\n20000,6,17.4\n40000,6,17.8\n60000,6,18\n120000,0,18.5\n",
+    );
     // Two runs: something may happen at the same time into both.
     let run = &PASS[PASS.find(r#""run": "#).expect("a run")..PASS.find("},\n \"jobs\"").expect("jobs")];
     study.edit("pass-1.json", run, &format!("{run},\n   {}", run.replacen("run", "again", 1)));

@@ -113,7 +113,7 @@ fn heat_that_sets_in_during_a_transient_is_dated_within_three_rows() {
     // 1 h 10 min after the record's start.
     let since = output.effects[0].since.as_deref().expect("the record says when its time is 0");
     assert!(since.starts_with("2026-03-14 07:") && since < "2026-03-14 07:13", "{since}");
-    assert!(output.words.iter().any(|said| said.contains(&format!(" h ({since}) on"))), "{:?}", output.words);
+    assert!(output.words.iter().any(|said| said.contains(&format!(" min ({since}) on"))), "{:?}", output.words);
     // Four standard deviations.
     assert!((own["power"].value - 2.0).abs() < 4.0 * own["power"].sd && own["power"].sd < 0.1, "{own:?}");
 }
