@@ -217,8 +217,8 @@ impl Weighed {
 impl Diagnosis {
     /// The sets that follow from one another, each with one effect more than the one before, from nothing on: the most
     /// probable plain law is added while it pays, the error on unseen rows does not rise by the first and falls by each further
-    /// one, unless that gains clearly and no other beginning leads further. A curve of one input goes before laws only where it is clearly more probable and errs no more on unseen rows; other curves only
-    /// after them.
+    /// one, unless that gains clearly and no other beginning leads further. A curve of one input goes before laws only where it is clearly
+    /// more probable and errs no more on unseen rows; other curves only after them.
     pub(crate) fn story(&self, state: &State) -> Story {
         // With what the unseen rows say: users judge the error there.
         let unseen = self.independent_unseen(state);
