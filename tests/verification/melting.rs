@@ -102,9 +102,8 @@ fn ground(groups: &str) -> [(&'static str, String); 3] {
     let mut table = String::from("time [s],T_top [degC],a [degC],b [degC],d [degC]\n");
     // What each layer holds beyond ice at 0 degC, J.
     let mut held_j = [0, 1, 2].map(|layer| FREEZES_J[layer] + 2.0 * CAPACITY_J_PER_K[layer]);
-    let celsius = |layer: usize, held_j: f64| {
-        (held_j.min(0.0) + (held_j - FREEZES_J[layer]).max(0.0)) / CAPACITY_J_PER_K[layer]
-    };
+    let celsius =
+        |layer: usize, held_j: f64| (held_j.min(0.0) + (held_j - FREEZES_J[layer]).max(0.0)) / CAPACITY_J_PER_K[layer];
     let step_s = 20.0;
     for step in 0..=12_000_usize {
         let time_s = step_s * step as f64;
@@ -124,7 +123,8 @@ fn ground(groups: &str) -> [(&'static str, String); 3] {
             held_j[layer] += step_s * (through[layer] - through[layer + 1]);
         }
     }
-    let sensor = |name: &str| format!(r#""{name}": {{"measures": "{name}", "sigma": {{"value": {NOISE_K}, "unit": "K"}}}}"#);
+    let sensor =
+        |name: &str| format!(r#""{name}": {{"measures": "{name}", "sigma": {{"value": {NOISE_K}, "unit": "K"}}}}"#);
     let pass = format!(
         r#"{{"format": "bmv-pass/1", "title": "Ground", "parent": null, "model": "model.json", "seed": 3,
         "measurements": {{"year": {{"transient": {{"file": "data.csv",

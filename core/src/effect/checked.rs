@@ -160,7 +160,9 @@ impl Effect {
         let has_one_temperature = |place: &PlaceKind| matches!(place, PlaceKind::Node | PlaceKind::Capacity);
         match self.input(name) {
             Some(input) => Some(Like::Input(input)),
-            None if name == OWN_TEMPERATURE && self.places.iter().all(has_one_temperature) => Some(Like::OwnTemperature),
+            None if name == OWN_TEMPERATURE && self.places.iter().all(has_one_temperature) => {
+                Some(Like::OwnTemperature)
+            }
             None => None,
         }
     }

@@ -177,8 +177,7 @@ fn all_levels(
                 levels.extend(fitted.filter_map(|row| measurement.level(&problem.model, row, *input)));
             }
             Compared::Nodes(nodes) => {
-                let sensors: Vec<usize> =
-                    nodes.iter().flat_map(|&node| on_node(problem, measurement, node)).collect();
+                let sensors: Vec<usize> = nodes.iter().flat_map(|&node| on_node(problem, measurement, node)).collect();
                 for row in fitted {
                     levels.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));
                 }
