@@ -9,7 +9,7 @@
 use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::odds::posterior_odds::log_posterior_weights;
-use crate::diagnosis::together::{Jump, LEAST_SHARE, LONGEST_ANSWER, shown_by};
+use crate::diagnosis::together::{Jump, LONGEST_ANSWER, are_alike, shown_by};
 use crate::diagnosis::verdict::numbers::joined;
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::{OUTLYING, TOGETHER};
@@ -187,9 +187,7 @@ impl<'a> Channel<'a> {
     fn answers(&self, at: usize, by: f64) -> bool {
         let is_answer = |&before: &usize| {
             let jump = self.jump(before);
-            jump * by > 0.0
-                && jump.abs() >= LEAST_SHARE * by.abs()
-                && jump.abs() > 0.5 * self.of_all.max(self.least_at(before + 1))
+            are_alike(jump, by) && jump.abs() > 0.5 * self.of_all.max(self.least_at(before + 1))
         };
         let last = (at + 1).min(self.errors.len().saturating_sub(1));
         self.errors.len() >= 4 * BESIDE && (at.saturating_sub(2)..last).any(|before| is_answer(&before))

@@ -24,8 +24,8 @@ pub struct Jump {
 
 /// Rows by which a jump may come earlier or later in another channel.
 const APART: usize = 1;
-/// Least share of a jump that another channel shows of it: less may be the logger's own crosstalk.
-pub const LEAST_SHARE: f64 = 0.1;
+/// Least share of the larger of two jumps that the smaller has: less may be the logger's own crosstalk.
+const LEAST_SHARE: f64 = 0.1;
 /// Rows above which a jump is of one value, and so no answer of an article.
 pub const LONGEST_ANSWER: usize = 3;
 /// Share of their median by which jumps by one offset differ, or standard deviations of their own.
@@ -36,10 +36,9 @@ impl Jump {
     /// Whether two jumps of different channels are at one time and in one direction.
     fn is_with(&self, other: &Self) -> bool {
         self.channel != other.channel
-            && self.by * other.by > 0.0
-            && self.rows.start <= other.rows.end + APART - 1
-            && other.rows.start <= self.rows.end + APART - 1
-            && other.by.abs() >= LEAST_SHARE * self.by.abs()
+            && self.rows.start < other.rows.end + APART
+            && other.rows.start < self.rows.end + APART
+            && are_alike(self.by, other.by)
     }
 
     /// Whether another channel shows the same value in a row of both.
@@ -97,6 +96,11 @@ pub fn shown_by(jumps: &[Jump], channels: usize, answers: impl Fn(usize, &Jump) 
         (0..channels).filter(shows).collect()
     };
     jumps.iter().enumerate().map(of).collect()
+}
+
+/// Whether two jumps are in one direction, and neither is so small that it may be the other's crosstalk.
+pub fn are_alike(one: f64, other: f64) -> bool {
+    one * other > 0.0 && one.abs().min(other.abs()) >= LEAST_SHARE * one.abs().max(other.abs())
 }
 
 /// Whether jumps of all channels are in the same rows by one offset, as a logger's reference is.
