@@ -323,7 +323,7 @@ fn spikes_of(measurement: &Measurement, series: &[&Series<'_>]) -> (Vec<Vec<usiz
         Rows::Steady(_) => Vec::new(),
     };
     let channels: Vec<Channel<'_>> = series.iter().map(|own| Channel::new(&own.errors, &own.readings)).collect();
-    let mut places: Vec<(usize, Range<usize>)> = Vec::new();
+    let mut places: Vec<(usize, Vec<usize>)> = Vec::new();
     let mut jumps: Vec<Jump> = Vec::new();
     for (position, (own, channel)) in series.iter().zip(&channels).enumerate() {
         for (at, by) in channel.spikes() {
@@ -333,16 +333,16 @@ fn spikes_of(measurement: &Measurement, series: &[&Series<'_>]) -> (Vec<Vec<usiz
             let others = own.readings.iter().enumerate().filter(|(place, _)| !at.contains(place));
             let [least, most] = others
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |ends, (_, &value)| [ends[0].min(value), ends[1].max(value)]);
-            let readings = own.readings[first..=last].to_vec();
+            let readings: Vec<(usize, f64)> = (first..=last).map(|at| (own.of[at].row, own.readings[at])).collect();
             jumps.push(Jump {
                 channel: position,
                 rows: own.of[first].row..own.of[last].row + 1,
                 by,
                 sd: channel.of_all / SPIKE,
-                is_beyond: readings.iter().all(|value| *value < least || *value > most),
+                is_beyond: readings.iter().all(|(_, value)| *value < least || *value > most),
                 readings,
             });
-            places.push((position, first..last + 1));
+            places.push((position, free));
         }
     }
     let mut spike_rows = vec![Vec::new(); series.len()];

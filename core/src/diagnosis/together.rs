@@ -16,8 +16,8 @@ pub struct Jump {
     pub by: f64,
     /// Standard deviation of such distances in the channel.
     pub sd: f64,
-    /// What the channel showed meanwhile.
-    pub readings: Vec<f64>,
+    /// What the channel showed meanwhile, by row.
+    pub readings: Vec<(usize, f64)>,
     /// Whether these lie beyond all that it showed otherwise.
     pub is_beyond: bool,
 }
@@ -43,12 +43,7 @@ impl Jump {
 
     /// Whether another channel shows the same value in a row of both.
     fn has_code_of(&self, other: &Self) -> bool {
-        let both = self.rows.start.max(other.rows.start)..self.rows.end.min(other.rows.end);
-        self.channel != other.channel
-            && both.into_iter().any(|row| {
-                let at = |jump: &Self| jump.readings.get(row - jump.rows.start).copied();
-                at(self).is_some() && at(self) == at(other)
-            })
+        self.channel != other.channel && self.readings.iter().any(|own| other.readings.contains(own))
     }
 }
 

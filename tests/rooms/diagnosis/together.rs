@@ -4,7 +4,8 @@ use bmv::diagnosis::together::{Jump, shown_by};
 
 fn jump(channel: usize, first: usize, readings: &[f64], by: f64) -> Jump {
     let rows = first..first + readings.len();
-    Jump { channel, rows, by, sd: 0.02, readings: readings.to_vec(), is_beyond: false }
+    let readings = rows.clone().zip(readings.iter().copied()).collect();
+    Jump { channel, rows, by, sd: 0.02, readings, is_beyond: false }
 }
 
 fn beyond(jump: Jump) -> Jump {
