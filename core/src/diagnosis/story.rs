@@ -109,12 +109,15 @@ pub struct LawOfStep {
     pub is_of_group: bool,
     /// Whether it acts elsewhere than the most probable law.
     pub is_elsewhere: bool,
+    /// Whether a law at a single place elsewhere, which is no part of what it does, is far more probable.
+    pub has_rival_elsewhere: bool,
 }
 
 /// Which law of a step goes first, of those that pay, the most probable first: it does, unless it acts at a single place and a whole
-/// surface explains nearly as much.
+/// surface explains nearly as much, which nothing elsewhere explains far better.
 pub fn whole_surface_first(laws: &[LawOfStep]) -> usize {
-    let alike = |one: &LawOfStep| one.is_of_group && !one.is_elsewhere && one.log > laws[0].log - CLEARLY;
+    let is_first_choice = |one: &LawOfStep| one.is_of_group && !one.is_elsewhere && !one.has_rival_elsewhere;
+    let alike = |one: &LawOfStep| is_first_choice(one) && one.log > laws[0].log - CLEARLY;
     if laws.first().is_none_or(|first| first.is_of_group) { 0 } else { laws.iter().position(alike).unwrap_or(0) }
 }
 
@@ -377,10 +380,16 @@ impl Diagnosis {
             }
             (Some(law), _) => {
                 let laws: Vec<&Addition> = additions.iter().filter(pays).filter(|one| !is_curve(one)).collect();
+                let is_rival_elsewhere = |one: &Addition, other: &Addition| {
+                    !is_of_group(other)
+                        && is_elsewhere(one, other)
+                        && one.probability * RIVALS_WITHIN < other.probability
+                };
                 let of_step = |one: &&Addition| LawOfStep {
                     log: logs[one.place],
                     is_of_group: is_of_group(one),
                     is_elsewhere: is_elsewhere(one, law),
+                    has_rival_elsewhere: laws.iter().any(|other| is_rival_elsewhere(one, other)),
                 };
                 let first = whole_surface_first(&laws.iter().map(of_step).collect::<Vec<_>>());
                 laws.get(first).copied()
