@@ -4,7 +4,7 @@
 use crate::diagnosis::Problem;
 use crate::effect::Bound;
 use crate::expression::{ExprId, Symbol, Unit};
-use crate::measurement::Rows;
+use crate::measurement::{Measurement, Rows};
 use crate::thermal::{Input, Model, NodeKind};
 
 /// Pressure below which nothing convects, Pa: a thousandth of the atmosphere's, where Rayleigh's number is a millionth.
@@ -47,21 +47,36 @@ fn boundaries(model: &Model) -> Vec<ExprId> {
 fn in_each_row(problem: &Problem, mut visit: impl FnMut(&dyn Fn(Symbol) -> f64) -> bool) {
     for measurement in &problem.measurements {
         for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
-            let value = |symbol: Symbol| match (symbol, &measurement.rows) {
-                (Symbol::Input(own), Rows::Steady(phases)) => {
-                    phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN)
-                }
-                (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),
-                (Symbol::Time, Rows::Steady(_)) => 0.0,
-                (Symbol::Time, Rows::Transient { inputs, .. }) => inputs.times_s[row],
-                (Symbol::Parameter(own), _) => problem.model.parameters[own as usize].nominal,
-                _ => f64::NAN,
-            };
-            if !visit(&value) {
+            if !visit(&value_in_row(&problem.model, measurement, row)) {
                 return;
             }
         }
     }
+}
+
+/// What inputs, nominal parameters and the time are in a row.
+fn value_in_row(model: &Model, measurement: &Measurement, row: usize) -> impl Fn(Symbol) -> f64 {
+    move |symbol| match (symbol, &measurement.rows) {
+        (Symbol::Input(own), Rows::Steady(phases)) => phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN),
+        (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),
+        (Symbol::Time, Rows::Steady(_)) => 0.0,
+        (Symbol::Time, Rows::Transient { inputs, .. }) => inputs.times_s[row],
+        (Symbol::Parameter(own), _) => model.parameters[own as usize].nominal,
+        _ => f64::NAN,
+    }
+}
+
+/// Temperatures in the first row of a measurement that no node's start states, K: of boundaries, and of inputs, which may stand
+/// for surroundings that the model lacks.
+pub(crate) fn surroundings_at_start(model: &Model, measurement: &Measurement) -> Vec<f64> {
+    if measurement.len() == 0 {
+        return Vec::new();
+    }
+    let value = value_in_row(model, measurement, 0);
+    let of_boundaries = boundaries(model).into_iter().map(|boundary| model.graph.evaluate(boundary, &value));
+    let inputs = (0..).zip(&model.inputs).filter(|(_, input)| is_temperature(input));
+    let of_inputs = inputs.map(|(own, _)| value(Symbol::Input(own)));
+    of_boundaries.chain(of_inputs).filter(|temperature| temperature.is_finite()).collect()
 }
 
 /// Whether the data were taken in vacuum: a boundary is colder than any room in some row, or a pressure among the inputs is
