@@ -8,7 +8,8 @@ use super::Context;
 use super::output::{escaped, folded, print, print_json, table};
 use super::status::{Failure, Status};
 use crate::document::suggest;
-use crate::effect::Effect;
+use crate::effect::place::TEMPERATURE_RANGE_K;
+use crate::effect::{Effect, Like};
 
 /// Arguments of `bmv effects`.
 #[derive(Debug, clap::Args)]
@@ -113,8 +114,14 @@ fn at_length(effect: &Effect, fold: Option<usize>) -> String {
     for entry in &form.parameters {
         let parameter = &entry.value;
         let mut unit = parameter.unit.as_ref().map_or("?", |written| written.unit.text.as_str()).to_owned();
-        if let Some(like) = &parameter.unit_of {
-            unit = format!("unit of {}", like.value);
+        let like = effect.like(parameter);
+        match like {
+            Some(Like::OwnTemperature) => "K".clone_into(&mut unit),
+            Some(Like::Input(input)) => {
+                let name = form.inputs.names().nth(input).unwrap_or_default();
+                unit = format!("unit of {name}");
+            }
+            None => {}
         }
         for input in &parameter.per {
             unit.push_str(&format!(" / unit of {}", input.value));
@@ -123,7 +130,14 @@ fn at_length(effect: &Effect, fold: Option<usize>) -> String {
         let what = parameter.description.as_deref().unwrap_or_default();
         row(role, format!("{} [{unit}] {what}", entry.name));
         let prior = effect.json.pointer(&format!("/parameters/{}/prior", entry.name));
-        let prior = prior.map_or_else(|| "uniform over the input's range".to_owned(), in_words);
+        let without = match like {
+            Some(Like::OwnTemperature) => {
+                let [lower, upper] = TEMPERATURE_RANGE_K;
+                format!("uniform {lower} to {upper}, of the node's own temperature")
+            }
+            _ => "uniform over the input's range".to_owned(),
+        };
+        let prior = prior.map_or(without, in_words);
         row("  prior", format!("{prior}; sign {}", parameter.sign.word()));
     }
     if effect.needs_gas() {

@@ -9,6 +9,7 @@ mod disctr;
 mod driven_loads;
 mod effects;
 mod elements;
+mod excursions;
 mod first_suspects;
 mod flux;
 mod forced_convection;

@@ -351,6 +351,39 @@ fn transient_directions_are_the_slopes_of_each_effects_likelihood() {
     assert!(smooth > 40, "{smooth}");
 }
 
+/// What other steps of the solver make of a temperature, in the sensors' standard deviations: 3e-7 of 300 K over 0.1 K, twice.
+const STEPS_ANEW: f64 = 2e-3;
+
+/// The slopes by heat, temperature and width of melting in both nodes of a group that stores twice what these do, each at its own
+/// temperature: against central differences over steps of the solver that are chosen anew.
+#[test]
+fn slopes_of_a_group_that_melts_are_differences() {
+    let problem = problem(vec![transient(&model())], vec![]);
+    let (likelihood, at) = fit(&problem);
+    let find = |id: &str| problem.candidates.iter().position(|candidate| candidate.id == id).expect("there");
+    let own = Own::new(&problem, find("latent-heat:surfaces"), &likelihood, &at);
+    let values = [5000.0, 283.0, 3.0];
+    let without = own.residuals(&[0.0, 283.0, 3.0]);
+    let felt = own.residuals(&values).iter().zip(&without).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(felt > 10.0, "{felt} standard deviations");
+    for (position, h) in [500.0, 0.2, 0.2].into_iter().enumerate() {
+        let moved = |by: f64| {
+            let mut values = values;
+            values[position] += by;
+            own.residuals(&values)
+        };
+        let (above, below) = (moved(h), moved(-h));
+        let slopes = own.slopes(&values, position);
+        let largest = slopes.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        assert!(largest > 0.0);
+        for (row, slope) in slopes.iter().enumerate() {
+            let difference = (below[row] - above[row]) / (2.0 * h);
+            let allowed = 1e-2 * largest + STEPS_ANEW / (2.0 * h);
+            assert!((difference - slope).abs() < allowed, "{position} {row}: {slope} {difference} ({largest})");
+        }
+    }
+}
+
 /// The swap exchanges predictions; the noise stays with the channel.
 #[test]
 fn exchanged_channels_exchange_predictions() {

@@ -3,7 +3,7 @@
 
 use crate::diagnosis::FitError;
 use crate::diagnosis::Unfitted;
-use crate::diagnosis::left_out::LeftOut;
+use crate::diagnosis::left_out::{Excursion, LeftOut};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -153,6 +153,9 @@ pub struct State {
     /// Readings that are left out as faults of the data.
     #[serde(default)]
     pub left_out: Vec<LeftOut>,
+    /// What looks like faults but is shown by several sensors, and stays.
+    #[serde(default)]
+    pub excursions: Vec<Excursion>,
     /// Pairs of nodes that are places, where the model is too large for all.
     #[serde(default)]
     pub places: Places,
@@ -335,14 +338,14 @@ impl Diagnosis {
     pub fn screen(&self) -> Result<State, FitError> {
         let begin = Begin { from_prior: STARTS, scale: 1.0, ..Begin::default() };
         let declared = self.problem.refit(&[], &begin, &self.key)?;
-        let faults = self.problem.faults_of_channels(&declared);
+        let (faults, excursions) = self.problem.faults_of_channels(&declared);
         if !faults.is_empty() {
             let without_faulty_readings = self.without(&faults);
             let declared = without_faulty_readings.problem.refit(&[], &begin, &self.key)?;
             let placed = without_faulty_readings.at_chosen_places(&declared)?;
-            return Ok(State { left_out: faults, ..placed.screen_beside_noise(declared)? });
+            return Ok(State { left_out: faults, excursions, ..placed.screen_beside_noise(declared)? });
         }
-        self.at_chosen_places(&declared)?.screen_beside_noise(declared)
+        Ok(State { excursions, ..self.at_chosen_places(&declared)?.screen_beside_noise(declared)? })
     }
 
     /// Estimates the noise beside the baseline model as it was fitted, and screens.
@@ -417,6 +420,7 @@ impl Diagnosis {
             remainders,
             failed: Vec::new(),
             left_out: Vec::new(),
+            excursions: Vec::new(),
             places: self.problem.places.clone(),
             warnings: Vec::new(),
         };

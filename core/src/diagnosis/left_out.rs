@@ -4,18 +4,23 @@
 //! jumps likewise and shows one value meanwhile. A model that is wrong errs smoothly there, or jumps and stays, or jumps where
 //! an input steps. In steady phases a channel stuck that shows one value in more of them than noise allows. Otherwise no row
 //! has a neighbour there: a reading is a fault where a set of effects explains all but a few readings, and these not at all.
+//! What two sensors or more show together is no fault of a sensor, and stays (`together.rs`).
 
 use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::odds::posterior_odds::log_posterior_weights;
+use crate::diagnosis::together::{Jump, LEAST_SHARE, LONGEST_ANSWER, shown_by};
+use crate::diagnosis::verdict::numbers::joined;
 use crate::diagnosis::{FitError, Problem, Refit};
-use crate::document::code::OUTLYING;
+use crate::document::code::{OUTLYING, TOGETHER};
 use crate::document::counted;
 use crate::inference::likelihood::HALF_LN_TAU;
 use crate::math::functions::{ln, pow, sqrt};
 use crate::measurement::{Doubt, InputColumn, InputTable, Measurement, Rows};
 use crate::statistics::quantile::quantile_sorted;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// A reading that is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +33,17 @@ pub struct LeftOut {
     pub sensor: usize,
     /// Reading minus what the others say, SI.
     pub off: f64,
+}
+
+/// An excursion that several sensors of a measurement show, and that stays in.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Excursion {
+    /// Position of the measurement.
+    pub measurement: usize,
+    /// Its first row.
+    pub row: usize,
+    /// Positions of the sensors.
+    pub sensors: Vec<usize>,
 }
 
 /// Rows to either side of which the median is what a spike stands out from.
@@ -44,8 +60,6 @@ const AFTER_STEP: usize = 2;
 const SPIKE: f64 = 8.0;
 /// Share of its height to which a spike comes back.
 const COMES_BACK: f64 = 0.25;
-/// Most rows of a spike that shows several values.
-const LONGEST_SPIKE: usize = 3;
 /// Most readings of a sensor, as a share, that are taken for faults of a transient.
 const MOST_OF_TRANSIENT: f64 = 0.05;
 /// Least error of a reading in a steady phase, in standard deviations of the noise and of what the others leave.
@@ -77,67 +91,114 @@ const MEDIAN_TO_SD: f64 = 1.482_602_218_505_602;
 const LEAST_OF_JUMP: f64 = 0.5;
 
 /// The median; `None` of nothing.
-fn median(mut values: Vec<f64>) -> Option<f64> {
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     (!values.is_empty()).then(|| quantile_sorted(&values, 0.5))
 }
 
+/// A sensor's errors, row by row, what it showed, and how much it moves.
+struct Channel<'a> {
+    errors: &'a [f64],
+    readings: &'a [f64],
+    /// Distance of each error to the median of those about it.
+    distances: Vec<f64>,
+    /// Least height of a spike anywhere in it.
+    of_all: f64,
+}
+
+impl<'a> Channel<'a> {
+    fn new(errors: &'a [f64], readings: &'a [f64]) -> Self {
+        let mut channel = Self { errors, readings, distances: Vec::new(), of_all: 0.0 };
+        channel.distances = (0..errors.len()).map(|at| (errors[at] - channel.beside(at, at + 1)).abs()).collect();
+        let steps = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
+        // A channel that shows whole steps does not stand out by one.
+        let resolution = steps.fold(f64::INFINITY, f64::min);
+        let of_all = MEDIAN_TO_SD * median(channel.distances.clone()).unwrap_or(0.0);
+        channel.of_all = SPIKE * of_all.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
+        channel
+    }
+
+    /// The median of the errors of a few rows before and after a stretch.
+    fn beside(&self, at: usize, until: usize) -> f64 {
+        let before = self.errors[at.saturating_sub(BESIDE)..at].iter();
+        let after = &self.errors[until..self.errors.len().min(until + BESIDE)];
+        median(before.chain(after).copied().collect()).unwrap_or(0.0)
+    }
+
+    /// Least height of a spike in a row.
+    fn least_at(&self, at: usize) -> f64 {
+        // Of the rows before and after the livelier: a channel begins to move at once.
+        let until = self.distances.len().min(at + ABOUT + 1);
+        let sides = [&self.distances[at.saturating_sub(ABOUT)..=at], &self.distances[at..until]];
+        let [before, after] = sides.map(|side| median(side.to_vec()).unwrap_or(0.0));
+        self.of_all.max(SPIKE * MEDIAN_TO_SD * before.max(after))
+    }
+
+    /// The jump of the error from a row to the next, where the channel jumps and not the model alone: a start, or a sensor that
+    /// follows late.
+    fn jump(&self, at: usize) -> f64 {
+        let jump = self.errors[at + 1] - self.errors[at];
+        let is_own = (self.readings[at + 1] - self.readings[at]) / jump > LEAST_OF_JUMP;
+        if is_own { jump } else { 0.0 }
+    }
+
+    /// Spikes and drop-outs: positions, and the largest distance from what is beside them.
+    fn spikes(&self) -> Vec<(Range<usize>, f64)> {
+        let (errors, readings, n) = (self.errors, self.readings, self.errors.len());
+        if n < 4 * BESIDE {
+            return Vec::new();
+        }
+        let most = (MOST_OF_TRANSIENT * n as f64) as usize;
+        let mut found: Vec<(Range<usize>, f64)> = Vec::new();
+        let mut at = 1;
+        while at + 1 < n {
+            let jump = self.jump(at - 1).abs();
+            if !(jump > self.of_all && jump > self.least_at(at)) {
+                at += 1;
+                continue;
+            }
+            let least = self.least_at(at);
+            // A longer stretch would be more than the share that is allowed.
+            let frozen = readings[at..].iter().take(most).take_while(|value| **value == readings[at]).count();
+            let longest = frozen.max(LONGEST_ANSWER);
+            // It comes back to where it was.
+            let is_back = |until: &usize| {
+                let level = self.beside(at, *until);
+                let back = (errors[*until] - level).abs();
+                // The model's own error moves on meanwhile.
+                back < f64::max(0.5 * least, COMES_BACK * (errors[at] - level).abs())
+                    && (at..*until).all(|row| (errors[row] - level).abs() > least)
+            };
+            match (at + 1..n.min(at + longest + 1)).find(is_back) {
+                Some(until) => {
+                    let level = self.beside(at, until);
+                    let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+                    found.push((at..until, (at..until).map(|row| errors[row] - level).fold(0.0, largest)));
+                    at = until + 1;
+                }
+                None => at += 1,
+            }
+        }
+        if found.iter().map(|(rows, _)| rows.len()).sum::<usize>() > most { Vec::new() } else { found }
+    }
+
+    /// Whether it moves the same way as a jump of this height about a position, be it by half of what makes a spike: where to look is
+    /// known. It need not come back as soon.
+    fn answers(&self, at: usize, by: f64) -> bool {
+        let is_answer = |&before: &usize| {
+            let jump = self.jump(before);
+            jump * by > 0.0
+                && jump.abs() >= LEAST_SHARE * by.abs()
+                && jump.abs() > 0.5 * self.of_all.max(self.least_at(before + 1))
+        };
+        let last = (at + 1).min(self.errors.len().saturating_sub(1));
+        self.errors.len() >= 4 * BESIDE && (at.saturating_sub(2)..last).any(|before| is_answer(&before))
+    }
+}
+
 /// Positions of spikes and drop-outs in a sensor's errors, row by row; `readings` are what it showed.
 pub fn spikes(errors: &[f64], readings: &[f64]) -> Vec<usize> {
-    let n = errors.len();
-    if n < 4 * BESIDE {
-        return Vec::new();
-    }
-    let beside = |at: usize, until: usize| {
-        let before = errors[at.saturating_sub(BESIDE)..at].iter();
-        median(before.chain(&errors[until..n.min(until + BESIDE)]).copied().collect()).unwrap_or(0.0)
-    };
-    let distances: Vec<f64> = (0..n).map(|at| (errors[at] - beside(at, at + 1)).abs()).collect();
-    let steps = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
-    // A channel that shows whole steps does not stand out by one.
-    let resolution = steps.fold(f64::INFINITY, f64::min);
-    let of_all = MEDIAN_TO_SD * median(distances.clone()).unwrap_or(0.0);
-    let of_all = SPIKE * of_all.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
-    // Of the rows before and after the livelier: a channel begins to move at once.
-    let least_at = |at: usize| {
-        let sides = [&distances[at.saturating_sub(ABOUT)..=at], &distances[at..n.min(at + ABOUT + 1)]];
-        let [before, after] = sides.map(|side| median(side.to_vec()).unwrap_or(0.0));
-        of_all.max(SPIKE * MEDIAN_TO_SD * before.max(after))
-    };
-    // Where the model jumps and the channel does not, the model is wrong: a start, or a sensor that follows late.
-    let jumps = |a: usize, b: usize| {
-        let jump = errors[b] - errors[a];
-        jump.abs() > of_all && (readings[b] - readings[a]) / jump > LEAST_OF_JUMP && jump.abs() > least_at(b)
-    };
-    let most = (MOST_OF_TRANSIENT * n as f64) as usize;
-    let mut spike_rows = Vec::new();
-    let mut at = 1;
-    while at + 1 < n {
-        if !jumps(at - 1, at) {
-            at += 1;
-            continue;
-        }
-        // A longer stretch would be more than the share that is allowed.
-        let frozen = readings[at..].iter().take(most).take_while(|value| **value == readings[at]).count();
-        let longest = frozen.max(LONGEST_SPIKE);
-        let least = least_at(at);
-        // It comes back to where it was.
-        let is_back = |until: &usize| {
-            let level = beside(at, *until);
-            let back = (errors[*until] - level).abs();
-            // The model's own error moves on meanwhile.
-            back < f64::max(0.5 * least, COMES_BACK * (errors[at] - level).abs())
-                && (at..*until).all(|row| (errors[row] - level).abs() > least)
-        };
-        match (at + 1..n.min(at + longest + 1)).find(is_back) {
-            Some(until) => {
-                spike_rows.extend(at..until);
-                at = until + 1;
-            }
-            None => at += 1,
-        }
-    }
-    if spike_rows.len() > most { Vec::new() } else { spike_rows }
+    Channel::new(errors, readings).spikes().into_iter().flat_map(|(rows, _)| rows).collect()
 }
 
 /// Rows at which an input steps: it changes by much of its range, and by far more than it does from row to row otherwise.
@@ -246,13 +307,79 @@ fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
     all
 }
 
+/// What a sensor of a measurement erred by and showed.
+struct Series<'a> {
+    of: &'a [LeftOut],
+    errors: Vec<f64>,
+    readings: Vec<f64>,
+}
+
 fn is_steady(measurement: &Measurement) -> bool {
     matches!(measurement.rows, Rows::Steady(_))
 }
 
+/// Positions of the spikes of each series of a transient, and what several show.
+fn spikes_of(measurement: &Measurement, series: &[&Series<'_>]) -> (Vec<Vec<usize>>, Vec<Excursion>) {
+    let steps = match &measurement.rows {
+        Rows::Transient { inputs, .. } => input_steps(inputs),
+        Rows::Steady(_) => Vec::new(),
+    };
+    let channels: Vec<Channel<'_>> = series.iter().map(|own| Channel::new(&own.errors, &own.readings)).collect();
+    let mut places: Vec<(usize, Range<usize>)> = Vec::new();
+    let mut jumps: Vec<Jump> = Vec::new();
+    for (position, (own, channel)) in series.iter().zip(&channels).enumerate() {
+        for (at, by) in channel.spikes() {
+            // What jumps as an input steps may be the answer of the hardware.
+            let free: Vec<usize> = at.clone().filter(|&at| !is_near_step(&steps, own.of[at].row)).collect();
+            let (Some(first), Some(last)) = (free.first().copied(), free.last().copied()) else { continue };
+            let others = own.readings.iter().enumerate().filter(|(place, _)| !at.contains(place));
+            let [least, most] = others
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |ends, (_, &value)| [ends[0].min(value), ends[1].max(value)]);
+            let readings = own.readings[first..=last].to_vec();
+            jumps.push(Jump {
+                channel: position,
+                rows: own.of[first].row..own.of[last].row + 1,
+                by,
+                sd: channel.of_all / SPIKE,
+                is_beyond: readings.iter().all(|value| *value < least || *value > most),
+                readings,
+            });
+            places.push((position, first..last + 1));
+        }
+    }
+    let mut spike_rows = vec![Vec::new(); series.len()];
+    let mut excursions: Vec<Excursion> = Vec::new();
+    let answers = |other: usize, jump: &Jump| {
+        let at = series[other].of.partition_point(|one| one.row < jump.rows.start);
+        channels[other].answers(at, jump.by)
+    };
+    let shown = shown_by(&jumps, series.len(), answers);
+    for ((jump, shown), (position, places)) in jumps.iter().zip(shown).zip(places) {
+        if shown.len() < 2 {
+            spike_rows[position].extend(places);
+            continue;
+        }
+        let first = jump.rows.start;
+        let sensors = || shown.iter().map(|&channel| series[channel].of[0].sensor);
+        let at = series[position].of[0].measurement;
+        match excursions.iter_mut().find(|one| one.row.abs_diff(first) <= 1) {
+            Some(known) => {
+                known.row = known.row.min(first);
+                known.sensors.extend(sensors());
+                known.sensors.sort_unstable();
+                known.sensors.dedup();
+            }
+            None => excursions.push(Excursion { measurement: at, row: first, sensors: sensors().collect() }),
+        }
+    }
+    excursions.sort_by_key(|one| one.row);
+    (spike_rows, excursions)
+}
+
 impl Problem {
-    /// Spikes, drop-outs and frozen stretches of the transients, and channels that stuck in steady phases, at a fit.
-    pub(crate) fn faults_of_channels(&self, refit: &Refit) -> Vec<LeftOut> {
+    /// Spikes, drop-outs and frozen stretches of the transients, and channels that stuck in steady phases, at a fit; and what looks
+    /// like spikes, but is shown by several sensors.
+    pub(crate) fn faults_of_channels(&self, refit: &Refit) -> (Vec<LeftOut>, Vec<Excursion>) {
         let all = all_errors(self, refit);
         let readings_of = |series_errors: &[LeftOut]| -> Vec<f64> {
             let measurement = &self.measurements[series_errors[0].measurement];
@@ -266,28 +393,45 @@ impl Problem {
                 .flat_map(|readings| readings.windows(2).map(|two| (two[1] - two[0]).abs()).collect::<Vec<_>>());
             differences.filter(|difference| *difference > 0.0).fold(f64::INFINITY, f64::min)
         };
-        let series = all.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
-        let of_series = |series_errors: &[LeftOut]| -> Vec<LeftOut> {
-            let measurement = &self.measurements[series_errors[0].measurement];
-            let errors: Vec<f64> = series_errors.iter().map(|one| one.off).collect();
-            let readings = readings_of(series_errors);
-            let mut faulty = if is_steady(measurement) {
-                let sd = measurement.sensors[series_errors[0].sensor].total_sd();
-                stuck(&errors, &readings, sd, step_of(series_errors[0].measurement))
-            } else {
-                // What jumps as an input steps may be the answer of the hardware.
-                let mut spike_rows = spikes(&errors, &readings);
-                if let Rows::Transient { inputs, .. } = &measurement.rows {
-                    let steps = input_steps(inputs);
-                    spike_rows.retain(|&at| !is_near_step(&steps, series_errors[at].row));
+        let (mut faults, mut excursions) = (Vec::new(), Vec::new());
+        for of_measurement in all.chunk_by(|a, b| a.measurement == b.measurement) {
+            let measurement = &self.measurements[of_measurement[0].measurement];
+            let series: Vec<Series<'_>> = (of_measurement.chunk_by(|a, b| a.sensor == b.sensor))
+                .map(|own| Series {
+                    of: own,
+                    errors: own.iter().map(|one| one.off).collect(),
+                    readings: readings_of(own),
+                })
+                .collect();
+            if is_steady(measurement) {
+                for own in &series {
+                    let sd = measurement.sensors[own.of[0].sensor].total_sd();
+                    let stuck = stuck(&own.errors, &own.readings, sd, step_of(own.of[0].measurement));
+                    faults.extend(stuck.into_iter().map(|at| own.of[at]));
                 }
-                [spike_rows, frozen(&errors, &readings)].concat()
-            };
-            faulty.sort_unstable();
-            faulty.dedup();
-            faulty.into_iter().map(|at| series_errors[at]).collect()
-        };
-        series.flat_map(of_series).collect()
+                continue;
+            }
+            let unit = |own: &Series<'_>| &self.model.quantities[measurement.sensors[own.of[0].sensor].quantity].unit;
+            let mut spike_rows = vec![Vec::new(); series.len()];
+            // Only what is measured in one unit can be compared.
+            let units: BTreeSet<&String> = series.iter().map(unit).collect();
+            for of_unit in units {
+                let alike: Vec<usize> = (0..series.len()).filter(|&place| unit(&series[place]) == of_unit).collect();
+                let own: Vec<&Series<'_>> = alike.iter().map(|&place| &series[place]).collect();
+                let (spikes, shared) = spikes_of(measurement, &own);
+                excursions.extend(shared);
+                for (place, spikes) in alike.into_iter().zip(spikes) {
+                    spike_rows[place] = spikes;
+                }
+            }
+            for (own, mut faulty) in series.iter().zip(spike_rows) {
+                faulty.extend(frozen(&own.errors, &own.readings));
+                faulty.sort_unstable();
+                faulty.dedup();
+                faults.extend(faulty.into_iter().map(|at| own.of[at]));
+            }
+        }
+        (faults, excursions)
     }
 
     /// Readings of steady phases that a fit does not explain while it explains all others; none where they would be too many,
@@ -300,7 +444,18 @@ impl Problem {
             (one.off / sd.max(f64::MIN_POSITIVE)).abs()
         };
         let scale = MEDIAN_TO_SD * median(all.iter().map(in_sds).collect()).unwrap_or(0.0);
-        let far: Vec<LeftOut> = all.iter().filter(|one| in_sds(one) > OUTLYING_SDS * scale.max(1.0)).copied().collect();
+        let mut far: Vec<LeftOut> =
+            all.iter().filter(|one| in_sds(one) > OUTLYING_SDS * scale.max(1.0)).copied().collect();
+        let shown = |one: &LeftOut| self.measurements[one.measurement].reading(one.row, one.sensor);
+        // What two sensors show together in a phase is the article's, unless they show one code.
+        let is_with = |one: &LeftOut, other: &LeftOut| {
+            (one.measurement, one.row) == (other.measurement, other.row)
+                && one.sensor != other.sensor
+                && one.off * other.off > 0.0
+                && shown(one) != shown(other)
+        };
+        let candidates = far.clone();
+        far.retain(|one| !candidates.iter().any(|other| is_with(one, other)));
         let most = (MOST_OF_STEADY * (all.len() + left_out) as f64).max(1.0);
         if (far.len() + left_out) as f64 > most { Vec::new() } else { far }
     }
@@ -369,6 +524,35 @@ impl Diagnosis {
             return Ok(Some(next));
         }
         Ok(None)
+    }
+
+    /// What is said of excursions that several sensors show, a measurement a sentence.
+    pub(crate) fn doubts_of_excursions(&self, excursions: &[Excursion]) -> Vec<Doubt> {
+        let one = |of_measurement: &[Excursion]| {
+            let measurement = &self.problem().measurements[of_measurement[0].measurement];
+            let mut sensors: Vec<usize> = of_measurement.iter().flat_map(|one| one.sensors.clone()).collect();
+            sensors.sort_unstable();
+            sensors.dedup();
+            let names: Vec<String> = sensors.iter().map(|&sensor| measurement.sensors[sensor].name.clone()).collect();
+            let time = |one: &Excursion| match &measurement.rows {
+                Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
+                Rows::Steady(phases) => phases[one.row].name.clone(),
+            };
+            let message = format!(
+                "Readings of {} in {} jump together and come back (at {}{}): no fault of a sensor but something that the article \
+                 did, and they are kept",
+                joined(&names),
+                measurement.name,
+                of_measurement.iter().take(3).map(time).collect::<Vec<_>>().join(", "),
+                if of_measurement.len() > 3 { ", ..." } else { "" },
+            );
+            Doubt {
+                code: TOGETHER.name.to_owned(),
+                message,
+                repair: Some("find what happened then; empty the cells only if it was the logger".to_owned()),
+            }
+        };
+        excursions.chunk_by(|a, b| a.measurement == b.measurement).map(one).collect()
     }
 
     /// What is said of readings that were left out, a sensor a sentence.

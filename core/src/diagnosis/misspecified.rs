@@ -197,7 +197,8 @@ impl Diagnosis {
     /// fit that a strong effect has distorted their linearisation tells little.
     pub(crate) fn order_plain_laws(&self, state: &mut State) {
         let candidates = &self.problem().candidates;
-        let inputs = |place: usize| candidates[place].bound.len();
+        let inputs =
+            |place: usize| self.problem().catalogue.get(&candidates[place].effect).map_or(0, Effect::levels_and_inputs);
         let is_law = |&place: &usize| {
             let is_timed = self.problem().catalogue.get(&candidates[place].effect).is_some_and(Effect::depends_on_time);
             inputs(place) < 2 && !is_timed && !self.is_unknown_function(place)

@@ -24,6 +24,7 @@ pub mod search;
 mod settings;
 pub mod story;
 pub mod thinned;
+pub mod together;
 pub mod verdict;
 
 pub use engine::{Diagnosis, FitRequest, State};

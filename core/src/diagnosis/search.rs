@@ -55,10 +55,13 @@ impl Diagnosis {
     /// Orders the sets that go on from the best one; where there are none, without
     /// readings that are faults of the data, or with another model error, if there are such.
     pub fn extend(&self, state: State) -> State {
-        let left_out = state.left_out.clone();
+        let (left_out, excursions) = (state.left_out.clone(), state.excursions.clone());
         let mut next = self.at(&state).extended(state);
         if next.left_out.is_empty() {
             next.left_out = left_out;
+        }
+        if next.excursions.is_empty() {
+            next.excursions = excursions;
         }
         next
     }

@@ -29,6 +29,18 @@ pub struct Effect {
     pub embedded: bool,
 }
 
+/// What a parameter has the unit of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Like {
+    /// An input of the effect, by its position.
+    Input(usize),
+    /// The temperature of the node on which the effect acts: of each member in a group.
+    OwnTemperature,
+}
+
+/// The name of the node's own temperature in expressions.
+const OWN_TEMPERATURE: &str = "T";
+
 /// Kinds of place that an addition fits, with its name.
 const FITS: &[(&str, &[PlaceKind])] = &[
     ("flow", &[PlaceKind::Pair, PlaceKind::Node]),
@@ -142,6 +154,25 @@ impl Effect {
         !given.is_empty() && given.into_iter().all(stores)
     }
 
+    /// What a parameter of the effect has the unit of instead of a unit of its own.
+    pub fn like(&self, parameter: &ParameterForm) -> Option<Like> {
+        let name = &parameter.unit_of.as_ref()?.value;
+        let has_one_temperature = |place: &PlaceKind| matches!(place, PlaceKind::Node | PlaceKind::Capacity);
+        match self.input(name) {
+            Some(input) => Some(Like::Input(input)),
+            None if name == OWN_TEMPERATURE && self.places.iter().all(has_one_temperature) => {
+                Some(Like::OwnTemperature)
+            }
+            None => None,
+        }
+    }
+
+    /// Inputs on which it depends: what is bound, and the node's own temperature where a parameter is a level of it.
+    pub fn levels_and_inputs(&self) -> usize {
+        let is_own = |entry: &MapEntry<ParameterForm>| self.like(&entry.value) == Some(Like::OwnTemperature);
+        self.form.inputs.len() + usize::from(self.form.parameters.iter().any(is_own))
+    }
+
     /// Checks an effect as written; `json` is its file. `None` after an error.
     pub fn new(name: &str, form: EffectForm, json: serde_json::Value, diagnostics: &mut Diagnostics) -> Option<Self> {
         let before = diagnostics.errors();
@@ -220,8 +251,12 @@ impl Effect {
             }
         }
         let entries = self.form.parameters.iter().map(|entry| &entry.value);
-        let mut asked: Vec<&Spanned<String>> =
-            entries.flat_map(|parameter| parameter.per.iter().chain(&parameter.unit_of)).collect();
+        let mut asked: Vec<&Spanned<String>> = Vec::new();
+        for parameter in entries {
+            asked.extend(&parameter.per);
+            let named = parameter.unit_of.iter().filter(|_| self.like(parameter) != Some(Like::OwnTemperature));
+            asked.extend(named);
+        }
         if let Some(CurveForm { of, times, .. }) = &self.form.adds.value.curve {
             asked.push(of);
             asked.extend(times);

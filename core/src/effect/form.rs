@@ -147,9 +147,10 @@ written_struct! {
         optional unit: WrittenUnit,
         /// Inputs of the effect by which the unit is divided, once for each time named.
         default(Vec::new()) per: Vec<Spanned<String>>,
-        /// Instead of `unit`: an input of the effect whose unit it has.
+        /// Instead of `unit`: an input of the effect whose unit it has, or `T`: a level of the node's own temperature, of each
+        /// member's in a group.
         optional unit_of: Spanned<String>,
-        /// Prior. With `unit_of` it may be left out: uniform over the input's range.
+        /// Prior. With `unit_of` there is none: uniform over the input's range, or from 200 to 400 K.
         optional prior: PriorForm,
         /// Nominal value; the prior's median where it is left out.
         optional nominal: Amount,

@@ -5,9 +5,9 @@ use crate::expression::{Dimension, Unit};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
-use super::checked::{Effect, KNOT};
+use super::checked::{Effect, KNOT, Like};
 use super::form::{ParameterForm, Sign};
-use super::place::Bound;
+use super::place::{Bound, TEMPERATURE_RANGE_K};
 
 /// Share of the measured time, or of a run, at its beginning and at its end within which nothing changes at a time: what begins with the
 /// record was there before it, and a start that is stated a little wrong would look like it.
@@ -145,14 +145,18 @@ impl Effect {
             amplitude: !form.shape,
             description: form.description.clone().unwrap_or_default(),
         };
-        if let Some(like) = &form.unit_of {
-            let Some(like) = find(&like.value) else { return parameter };
-            let [mut lower, mut upper] = like.range(model);
-            if like.is_clock(model) {
-                let edge = NO_CHANGE_WITHIN * (upper - lower);
-                (lower, upper) = (lower + edge, upper - edge);
-            }
-            parameter.unit = Unit::si(like.dimension(model).unwrap_or(Dimension::NONE));
+        if form.unit_of.is_some() {
+            let (dimension, [lower, upper]) = match self.like(form) {
+                Some(Like::OwnTemperature) => (Some(Dimension::TEMPERATURE), TEMPERATURE_RANGE_K),
+                Some(Like::Input(input)) => {
+                    let Some(like) = bound.get(input) else { return parameter };
+                    let [lower, upper] = like.range(model);
+                    let edge = if like.is_clock(model) { NO_CHANGE_WITHIN * (upper - lower) } else { 0.0 };
+                    (like.dimension(model), [lower + edge, upper - edge])
+                }
+                None => return parameter,
+            };
+            parameter.unit = Unit::si(dimension.unwrap_or(Dimension::NONE));
             parameter.prior = Distribution::Uniform { lower, upper };
             parameter.nominal = 0.5 * (lower + upper);
             parameter.plausible = upper - lower;

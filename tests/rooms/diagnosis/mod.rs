@@ -12,4 +12,5 @@ pub mod screening;
 mod search;
 mod story;
 mod thinned;
+mod together;
 mod verdict;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnosis::linearisation::signature::linearise;
-use crate::diagnosis::linearisation::threshold_levels::{gap, level_of_row};
+use crate::diagnosis::linearisation::threshold_levels::{gap, levels_of_row};
 use crate::diagnosis::output::HeldOutTest;
 use crate::diagnosis::{Linear, Problem, Refit};
 use crate::math::cholesky;
@@ -145,8 +145,8 @@ fn undecided(problem: &Problem, chosen: &Refit) -> BTreeSet<(usize, usize)> {
             let Some([below, above]) = gap else { continue };
             for (index, measurement) in problem.measurements.iter().enumerate() {
                 for row in (0..measurement.len()).filter(|&row| measurement.held_out(row)) {
-                    let level = level_of_row(problem, candidate, effect, &parameter, measurement, row);
-                    if level.is_some_and(|level| below < level && level < above) {
+                    let levels = levels_of_row(problem, candidate, effect, &parameter, measurement, row);
+                    if levels.iter().any(|level| below < *level && *level < above) {
                         rows.insert((index, row));
                     }
                 }

@@ -2,7 +2,7 @@
 //! cannot tell where between two it lies.
 
 use crate::diagnosis::Problem;
-use crate::effect::{Bound, Candidate, Effect, EffectParameter};
+use crate::effect::{Bound, Candidate, Effect, EffectParameter, Like, Site};
 use crate::expression::Symbol;
 use crate::math::functions::ln;
 use crate::measurement::{Measurement, Rows};
@@ -17,10 +17,10 @@ const MOST_OF_COURSE: usize = 7;
 /// The same of dates and of times since the start of a run: a step a thirtieth of the time off keeps nine tenths of what it explains.
 const MOST_TIMES: usize = 15;
 
-/// Values of a parameter that has the unit of one of the effect's inputs, SI: the middles between the input's levels in the
-/// phases that are fitted; where there are transients, and more levels than a few, evenly between the least and the greatest
-/// of the rows that are fitted; for a node without a sensor evenly over the temperatures that others had there. `None` where it
-/// has no such unit, and where there are no two levels.
+/// Values of a parameter that is a level of one of the effect's inputs or of the temperatures of its nodes, SI: the middles between
+/// the levels of these in the phases that are fitted; where there are transients, and more levels than a few, evenly between the
+/// least and the greatest of the rows that are fitted; for nodes without a sensor evenly over the temperatures that others had
+/// there. `None` where it is no such level, and where there are no two of them.
 pub(crate) fn thresholds(
     problem: &Problem,
     candidate: &Candidate,
@@ -32,14 +32,15 @@ pub(crate) fn thresholds(
         (0..count).map(|k| least + (most - least) * (k as f64 + 0.5) / count as f64).collect()
     };
     let Some(levels) = all_levels(problem, candidate, effect, parameter) else {
-        let Bound::Node(_) = bound(candidate, effect, parameter)? else { return None };
+        let Compared::Nodes(_) = compared(candidate, effect, parameter)? else { return None };
         return Some(evenly(span(problem)?, if steady { MOST } else { MOST_OF_COURSE }));
     };
     let middles: Vec<f64> = levels.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
     if middles.is_empty() {
         return None;
     }
-    let is_time = bound(candidate, effect, parameter).is_some_and(|bound| bound.is_clock(&problem.model));
+    let is_time = matches!(compared(candidate, effect, parameter),
+        Some(Compared::Input(input)) if Bound::Input(input).is_clock(&problem.model));
     let most = if is_time { MOST_TIMES } else { MOST_OF_COURSE };
     if !steady && middles.len() > most {
         return Some(evenly([levels[0], levels[levels.len() - 1]], most));
@@ -97,31 +98,49 @@ pub(crate) fn log_share(parameter: &EffectParameter, [below, above]: [f64; 2]) -
     ln(((above - below) / (upper - lower)).clamp(SAME, 1.0))
 }
 
-/// The value of what such a parameter is compared with in a row of a measurement: an input of a phase, or the reading of a
-/// sensor on the node.
-pub(crate) fn level_of_row(
+/// The values of what such a parameter is compared with in a row of a measurement: an input of a phase, or the readings of
+/// sensors on the nodes, one of each.
+pub(crate) fn levels_of_row(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
     measurement: &Measurement,
     row: usize,
-) -> Option<f64> {
-    let Rows::Steady(_) = &measurement.rows else { return None };
-    match bound(candidate, effect, parameter)? {
-        Bound::Input(input) => measurement.level(&problem.model, row, input),
-        Bound::Node(node) => {
-            on_node(problem, measurement, node).into_iter().find_map(|sensor| measurement.reading(row, sensor))
+) -> Vec<f64> {
+    let Rows::Steady(_) = &measurement.rows else { return Vec::new() };
+    match compared(candidate, effect, parameter) {
+        Some(Compared::Input(input)) => measurement.level(&problem.model, row, input).into_iter().collect(),
+        Some(Compared::Nodes(nodes)) => {
+            let read = |node: usize| {
+                on_node(problem, measurement, node).into_iter().find_map(|sensor| measurement.reading(row, sensor))
+            };
+            nodes.into_iter().filter_map(read).collect()
         }
+        None => Vec::new(),
     }
 }
 
-/// What stands for the input whose unit a parameter has.
-fn bound(candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Bound> {
+/// What a parameter is compared with.
+enum Compared {
+    /// An input of the model.
+    Input(usize),
+    /// Temperatures of nodes: of one that is bound, or of all on which the effect acts.
+    Nodes(Vec<usize>),
+}
+
+fn compared(candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Compared> {
     let form = &effect.form.parameters.iter().find(|form| form.name == parameter.written)?.value;
-    let like = &form.unit_of.as_ref()?.value;
-    let position = effect.form.inputs.iter().position(|input| input.name == *like)?;
-    candidate.bound.get(position).copied()
+    match (effect.like(form)?, &candidate.site) {
+        (Like::Input(input), _) => candidate.bound.get(input).map(|bound| match *bound {
+            Bound::Input(input) => Compared::Input(input),
+            Bound::Node(node) => Compared::Nodes(vec![node]),
+        }),
+        (Like::OwnTemperature, Site::Nodes(nodes)) => {
+            Some(Compared::Nodes(nodes.iter().map(|&(node, _)| node).collect()))
+        }
+        (Like::OwnTemperature, _) => None,
+    }
 }
 
 /// Sensors that read the temperature of a node.
@@ -141,24 +160,24 @@ fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: 
     all_levels(problem, candidate, effect, parameter).filter(|_| all_steady(problem))
 }
 
-/// Distinct levels, ascending, of the input whose unit a parameter has, in the rows that are fitted. `None` where it has no
-/// such unit, and without any level.
+/// Distinct levels, ascending, of what a parameter is compared with, in the rows that are fitted. `None` where it is compared with
+/// nothing, and without any level.
 fn all_levels(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
 ) -> Option<Vec<f64>> {
-    let bound = bound(candidate, effect, parameter)?;
+    let compared = compared(candidate, effect, parameter)?;
     let mut levels = Vec::new();
     for measurement in &problem.measurements {
         let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
-        match bound {
-            Bound::Input(input) => {
-                levels.extend(fitted.filter_map(|row| measurement.level(&problem.model, row, input)));
+        match &compared {
+            Compared::Input(input) => {
+                levels.extend(fitted.filter_map(|row| measurement.level(&problem.model, row, *input)));
             }
-            Bound::Node(node) => {
-                let sensors = on_node(problem, measurement, node);
+            Compared::Nodes(nodes) => {
+                let sensors: Vec<usize> = nodes.iter().flat_map(|&node| on_node(problem, measurement, node)).collect();
                 for row in fitted {
                     levels.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));
                 }

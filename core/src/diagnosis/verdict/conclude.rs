@@ -202,7 +202,8 @@ impl Diagnosis {
             ],
             posterior_priors: Vec::new(),
             converged: None,
-            doubts: [self.doubts_of(&state.left_out), doubts(&problem)].concat(),
+            doubts: [self.doubts_of(&state.left_out), self.doubts_of_excursions(&state.excursions), doubts(&problem)]
+                .concat(),
             warnings,
         };
         output.words = words::verdict(&output, &findings, self.settings().false_alarm);

@@ -56,7 +56,7 @@ pub fn rounded(value: f64, digits: usize) -> String {
 }
 
 /// `a, b and c`.
-pub(super) fn joined(names: &[String]) -> String {
+pub(crate) fn joined(names: &[String]) -> String {
     joined_by(names, "and")
 }
 

@@ -54,6 +54,9 @@ codes! { PASS_CODES:
     OUTLYING = "outlying", "readings that stand out and are left out (warning)",
         "A diagnosis leaves out readings that are faults of the data: in a transient those that jump away from the rows about them and back, or show one value meanwhile; in steady phases a few that no effect explains while a set of effects explains all others. It says which.",
         "suspicious: a reading of 0 degC between 31.2 and 31.3\nright: an empty cell, or a phase that is ignored with a reason";
+    TOGETHER = "together", "readings of several sensors that jump together and are kept (warning)",
+        "Two sensors or more of a transient jump away from the rows about them in one direction at one time, and back. That is no fault of a sensor: the article did something, or something was done to it, and a diagnosis keeps these readings. Jumps of all channels by one offset, several channels that show one code, and long stretches of one value are faults of the logger, and are left out.",
+        "suspicious: three layers of the ground 0.4, 0.3 and 0.1 K warmer in one row\nright: an input that says when meltwater came, or empty cells if it was the logger";
     TABLE_SHAPE = "table-shape", "a table that is not rectangular",
         "Measured data are CSV: a line of headers, then a line a row with as many cells as headers. Another separator than the comma is declared with \"separator\" in the measurement.",
         "wrong: phase,a,b and then P01,1\nright: phase,a,b and then P01,1,2";
