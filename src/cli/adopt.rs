@@ -142,7 +142,9 @@ fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, (diagnosis, ac
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
     for (id, [before, after]) in chosen.iter().filter_map(|finding| Some((&finding.id, worse(finding)?))) {
         let id = escaped(id);
-        text.push_str(&format!("with {id} the error on the held-out readings rises from {before:.2} to {after:.2} K\n"));
+        text.push_str(&format!(
+            "with {id} the error on the held-out readings rises from {before:.2} to {after:.2} K\n"
+        ));
     }
     if !next.extended.is_empty() {
         let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);

@@ -129,6 +129,11 @@ impl Shown {
         }
     }
 
+    /// The same by a size in SI.
+    pub fn parameter_of(unit: &str, size_si: f64) -> Self {
+        Self::parameter(unit, Self::written(unit).difference().value(size_si))
+    }
+
     /// The same unit for a difference or a spread.
     pub fn difference(&self) -> Self {
         if self.zero == 0.0 { self.clone() } else { Self { factor: self.factor, zero: 0.0, unit: "K".to_owned() } }

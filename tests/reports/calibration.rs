@@ -195,3 +195,20 @@ fn the_card_of_an_adopted_effect_states_its_time() {
         assert!(line.contains(said), "{line}");
     }
 }
+
+/// A drift of 2e-7 K/s is 6.3 K a year, on the axes of traces and of pairs too.
+#[test]
+fn traces_of_slow_changes_have_the_unit_of_the_tables() {
+    let mut output = output(true);
+    let drift = output.parameters.get_mut("G").expect("an unknown");
+    (drift.unit, drift.mean, drift.map, drift.sd) = ("K/s".to_owned(), 2e-7, 2e-7, 1e-9);
+    output.draws.values.iter_mut().for_each(|draw| draw[0] *= 2.5e-7);
+    let report = rendered(&with(output));
+    for figure in ["tuned-trace-g", "tuned-pairs"] {
+        let (_, drawing, ..) =
+            report.figures.iter().find(|own| own.0 == figure).unwrap_or_else(|| {
+                panic!("{figure}: {:?}", report.figures.iter().map(|own| &own.0).collect::<Vec<_>>())
+            });
+        assert!(drawing.contains("G [K/yr]") && !drawing.contains("K/s"), "{drawing}");
+    }
+}

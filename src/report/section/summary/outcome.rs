@@ -461,7 +461,7 @@ pub(super) fn of_calibration(output: &calibrate::Output) -> Option<Statement> {
         .filter_map(|(name, summary)| Some((name, summary, gain(summary)?)))
         .max_by(|a, b| a.2.total_cmp(&b.2))?;
     let (prior_mean, prior_sd) = before(summary);
-    let (times, unit) = number::stated(&summary.unit, summary.mean.abs().max(summary.sd));
+    let (times, unit) = number::stated(&summary.unit, summary.size());
     let presses = summary.at_bound > PRESSES;
     let text = format!(
         "the parameter that the calibration tells most of; before {}.",
