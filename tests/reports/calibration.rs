@@ -167,7 +167,7 @@ fn start_temperatures_are_in_degrees_celsius() {
     assert!(row.contains("| 22.500 |") && row.contains("\u{B0}C") && !row.contains("295"), "{row}");
 }
 
-/// The card of an adopted effect states from when on it is there: in the record, or into every run.
+/// The card of an adopted effect states from when on it is there: in the record, or after each start.
 #[test]
 fn the_card_of_an_adopted_effect_states_its_time() {
     let card = |time: &str, seconds: f64| {
@@ -188,8 +188,8 @@ fn the_card_of_an_adopted_effect_states_its_time() {
     };
     for (time, seconds, said) in [
         ("date", 40_320.0, "W, from 11.20 h on"),
-        ("elapsed", 7560.0, "W, from 2.10 h into every run on"),
-        ("elapsed", 750.0, "W, from 12.5 min into every run on"),
+        ("elapsed", 7560.0, "W, from 2.10 h after each start on"),
+        ("elapsed", 750.0, "W, from 12.5 min after each start on"),
     ] {
         let line = card(time, seconds);
         assert!(line.contains(said), "{line}");

@@ -16,7 +16,7 @@ use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Ton
 use crate::report::view::PassReport;
 
 use super::Entry;
-pub(super) use words::{led_by_group, more_probable, near_miss, one_of, proposed_first, since_s, since_start_s, size};
+pub(super) use words::{led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size};
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;
@@ -144,16 +144,21 @@ fn amplitudes(effect: &EffectResult) -> String {
     let one = |(position, (name, value)): (usize, (&String, &Amount))| match position {
         0 => format!("{name} {}", amount(value)),
         _ if is_open(value) => format!("{name} open"),
-        _ if words::is_onset(name) => format!("{name} {}", amount(&words::as_time(value))),
         _ => format!("{name} {}", amount(value)),
     };
     if words::is_harmonic(effect) {
         return size(effect).map_or_else(String::new, |(name, size)| format!("{name} {size}"));
     }
-    let (onset, sizes): (Vec<_>, Vec<_>) = effect.amplitudes.iter().partition(|(name, _)| words::is_onset(name));
-    let all: Vec<String> = sizes.into_iter().chain(onset).enumerate().take(2).map(one).collect();
-    let more = effect.amplitudes.len().saturating_sub(2);
-    if more > 0 { format!("{}; {more} more", all.join("; ")) } else { all.join("; ") }
+    let is_setting = |own: &(&String, &Amount)| words::is_onset(own.0) || own.1.level.is_some();
+    let (settings, sizes): (Vec<_>, Vec<_>) = effect.amplitudes.iter().partition(is_setting);
+    // A size with the value at which it acts, or the time from which on it does, is one thing.
+    let setting = settings.first().filter(|own| !sizes.is_empty() && !is_open(own.1));
+    let setting = setting.map(|(name, value)| words::level(name, value).unwrap_or_else(|| words::onset(name, value)));
+    let most = if setting.is_some() { 1 } else { 2 };
+    let shown: Vec<String> = sizes.into_iter().chain(settings).enumerate().take(most).map(one).collect();
+    let more = effect.amplitudes.len().saturating_sub(most + usize::from(setting.is_some()));
+    let text = format!("{}{}", shown.join("; "), setting.unwrap_or_default());
+    if more > 0 { format!("{text}; {more} more") } else { text }
 }
 
 /// Where an effect acts, and what it goes with.
@@ -201,6 +206,10 @@ fn effects(output: &Output) -> Option<Block> {
     let rows: Vec<Vec<Cell>> = rows.collect();
     let what = match output.verdict {
         Verdict::Adequate => Text::new("The effects that come nearest to what the noise leaves; none is needed."),
+        Verdict::Unexplained if others.iter().any(|own| own.probability > output.probability_unexplained) => Text::new(
+            "The effects that come nearest. None of them explains the misfit: a probability compares them with one another, \
+             and says of none that it is enough.",
+        ),
         Verdict::Unexplained => Text::new("The effects that come nearest; none of them explains the misfit."),
         _ => {
             let order = if output.steps.is_empty() {
