@@ -212,3 +212,19 @@ fn traces_of_slow_changes_have_the_unit_of_the_tables() {
         assert!(drawing.contains("G [K/yr]") && !drawing.contains("K/s"), "{drawing}");
     }
 }
+
+/// A deviation that drifts by 5.9e-9 K/s drifts by 0.19 K a year.
+#[test]
+fn slopes_in_time_have_the_unit_of_slow_changes() {
+    let mut sample = transient();
+    let trend = json!({"measurement": "step test", "sensor": "T1", "against": "time", "unit": "s", "slope": -5.889e-9,
+        "slope_error": 3.4e-9, "correlation": -0.35, "change": -0.37});
+    let is_one = sample.results.iter_mut().any(|job| {
+        edit::<bmv::job::compare::Kind>(job, |output| {
+            output.trends = vec![serde_json::from_value(trend.clone()).expect("a trend")];
+        })
+    });
+    assert!(is_one, "a comparison");
+    let markdown = rendered(&sample).markdown;
+    assert!(markdown.contains("`time` | \u{2212}0.37 | \u{2212}0.19 \u{b1} 0.11 | yr |"), "{markdown}");
+}

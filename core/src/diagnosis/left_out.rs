@@ -8,14 +8,19 @@
 use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::odds::posterior_odds::log_posterior_weights;
+use crate::diagnosis::verdict::numbers::rounded;
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::OUTLYING;
 use crate::document::counted;
+use crate::document::time::unit_of_time;
 use crate::inference::likelihood::HALF_LN_TAU;
 use crate::math::functions::{ln, pow, sqrt};
 use crate::measurement::{Doubt, InputColumn, InputTable, Measurement, Rows};
 use crate::statistics::quantile::quantile_sorted;
 use serde::{Deserialize, Serialize};
+
+/// Digits of the time of a reading, by which its row is found.
+const TIME_DIGITS: usize = 6;
 
 /// A reading that is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -380,7 +385,10 @@ impl Diagnosis {
             let sensor = &measurement.sensors[of_sensor[0].sensor];
             let place = |one: &LeftOut| match &measurement.rows {
                 Rows::Steady(phases) => phases[one.row].name.clone(),
-                Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
+                Rows::Transient { inputs, .. } => {
+                    let (length, unit) = unit_of_time(inputs.longest_s());
+                    format!("{} {unit}", rounded(inputs.times_s[one.row] / length, TIME_DIGITS))
+                }
             };
             let most = of_sensor.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
             let [stand, are, most_word] =

@@ -359,6 +359,8 @@ fn noise(output: &Output) -> Option<Block> {
     let estimated: Vec<_> = output.noise.iter().filter(|(_, noise)| noise.estimated).collect();
     let with_model_error = estimated.iter().any(|(_, noise)| noise.model_error.is_some());
     let shown = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| significant(value, 3));
+    let times = estimated.iter().filter_map(|(_, noise)| noise.correlation_time_s);
+    let time = Shown::time(times.fold(0.0, f64::max));
     let sizes: Vec<f64> = estimated.iter().map(|(_, noise)| noise.counts_as.unwrap_or(noise.sigma)).collect();
     let rows: Vec<Vec<Cell>> = estimated
         .into_iter()
@@ -368,7 +370,10 @@ fn noise(output: &Output) -> Option<Block> {
                 row.extend([shown(noise.model_error).into(), shown(noise.counts_as).into()]);
             } else {
                 row.push(
-                    noise.correlation_time_s.map_or_else(|| "white".to_owned(), |time| significant(time, 3)).into(),
+                    noise
+                        .correlation_time_s
+                        .map_or_else(|| "white".to_owned(), |own| significant(time.value(own), 3))
+                        .into(),
                 );
                 row.push(percent(noise.correlated_share, 0).into());
             }
@@ -384,7 +389,7 @@ fn noise(output: &Output) -> Option<Block> {
     } else {
         (
             "Noise of the sensors as estimated from what the best pair of effects leaves, where the pass does not state all of it.",
-            [Column::number("Correlation time", "s"), Column::number("Correlated share", "")],
+            [Column::number("Correlation time", time.unit), Column::number("Correlated share", "")],
         )
     };
     let columns = [Column::text("Sensor"), Column::number("Standard deviation", "K")].into_iter().chain(columns);
