@@ -232,6 +232,20 @@ fn a_size_is_stated_with_where_or_when_it_acts() {
     has(&own, &["W; date open |"]);
 }
 
+/// The first and the last minutes of a long record have one unit.
+#[test]
+fn times_of_one_table_of_heat_have_one_unit() {
+    let mut sample = diagnosed("identified");
+    assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        let times = [2160.0, 48_708.0];
+        for (one, time_s) in output.effects[0].carries.iter_mut().zip(times) {
+            (one.phase, one.time_s) = (None, Some(time_s));
+        }
+    }));
+    let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+    has(&section(&markdown, "diagnosis"), &["`board` | 0.10 | 0.6000 h | 1.1 | 2.0 | 13.53 h |"]);
+}
+
 #[test]
 fn a_daily_load_is_stated_by_its_amplitude_and_the_time_of_its_maximum() {
     let mut sample = diagnosed("identified");
