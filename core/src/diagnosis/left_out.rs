@@ -10,10 +10,11 @@ use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::odds::posterior_odds::log_posterior_weights;
 use crate::diagnosis::together::{Jump, LEAST_SHARE, LONGEST_ANSWER, shown_by};
-use crate::diagnosis::verdict::numbers::joined;
+use crate::diagnosis::verdict::numbers::{joined, rounded};
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::{OUTLYING, TOGETHER};
 use crate::document::counted;
+use crate::document::time::unit_of_time;
 use crate::inference::likelihood::HALF_LN_TAU;
 use crate::math::functions::{ln, pow, sqrt};
 use crate::measurement::{Doubt, InputColumn, InputTable, Measurement, Rows};
@@ -21,6 +22,9 @@ use crate::statistics::quantile::quantile_sorted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::ops::Range;
+
+/// Digits of the time of a reading, by which its row is found.
+const TIME_DIGITS: usize = 6;
 
 /// A reading that is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -564,7 +568,10 @@ impl Diagnosis {
             let sensor = &measurement.sensors[of_sensor[0].sensor];
             let place = |one: &LeftOut| match &measurement.rows {
                 Rows::Steady(phases) => phases[one.row].name.clone(),
-                Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
+                Rows::Transient { inputs, .. } => {
+                    let (length, unit) = unit_of_time(inputs.longest_s());
+                    format!("{} {unit}", rounded(inputs.times_s[one.row] / length, TIME_DIGITS))
+                }
             };
             let most = of_sensor.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
             let [stand, are, most_word] =

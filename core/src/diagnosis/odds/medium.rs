@@ -5,6 +5,7 @@ use crate::diagnosis::Problem;
 use crate::effect::Bound;
 use crate::expression::{ExprId, Symbol, Unit};
 use crate::measurement::{Measurement, Rows};
+use crate::thermal::element::{Drawing, Path};
 use crate::thermal::{Input, Model, NodeKind};
 
 /// Pressure below which nothing convects, Pa: a thousandth of the atmosphere's, where Rayleigh's number is a millionth.
@@ -98,6 +99,44 @@ pub fn is_vacuum(problem: &Problem) -> bool {
         !is_cold
     });
     is_cold || most_pa.iter().any(|&most| most.is_finite() && most < NO_CONVECTION_PA)
+}
+
+/// Words in names of nodes, inputs and elements, or in the title of a model, that tell of a gas or a liquid about the hardware.
+const FLUIDS: [&str; 18] = [
+    "air",
+    "atmosphere",
+    "convection",
+    "fan",
+    "flow",
+    "gas",
+    "greenhouse",
+    "helium",
+    "indoor",
+    "nitrogen",
+    "outdoor",
+    "outside",
+    "room",
+    "ventilation",
+    "water",
+    "weather",
+    "wind",
+    "oil",
+];
+
+/// Whether a model may be that of a test in vacuum: heat is radiated in it, as it is there by whatever can lose any, and no name tells of a
+/// gas or a liquid.
+pub fn may_be_vacuum(model: &Model) -> bool {
+    let radiates = model.elements.iter().any(|own| own.physics().drawing() == Drawing::Path(Path::Radiation));
+    let nodes = model.nodes.iter().map(|own| own.name.as_str());
+    let inputs = model.inputs.iter().map(|own| own.name.as_str());
+    let elements = model.elements.iter().map(|own| own.name.as_str());
+    let names = nodes.chain(inputs).chain(elements).chain([model.title.as_str()]);
+    let mut words = names.flat_map(|name| name.split(|letter: char| !letter.is_alphabetic()));
+    let is_fluid = |word: &str| {
+        let word = word.to_lowercase();
+        FLUIDS.iter().any(|fluid| word == *fluid || word.strip_suffix('s') == Some(*fluid))
+    };
+    radiates && !words.any(is_fluid)
 }
 
 /// Whether surroundings of this temperature, K, are warmer than all that the record shows around the hardware, and than a room

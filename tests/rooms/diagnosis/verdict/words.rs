@@ -7,7 +7,8 @@ use bmv::diagnosis::output::{EffectResult, StoryStep};
 use bmv::diagnosis::verdict::words::*;
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
-use bmv::thermal::{Input, NodeKind};
+use bmv::thermal::element::{Drawing, Path};
+use bmv::thermal::{Input, Model, NodeKind};
 use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
 #[test]
@@ -71,6 +72,18 @@ fn what_needs_a_gas_is_said_where_nothing_tells_of_a_vacuum_and_what_the_note_na
     );
     assert_eq!(of_gas(&[EffectResult { probability: 0.001, ..convection.clone() }], &problem), None);
     assert_eq!(of_gas(&[effect(0.03)], &problem), None);
+    assert!(note.contains("If the test was in vacuum") && note.contains("otherwise nothing is to be done"), "{note}");
+    // Where no heat is radiated, or a name tells of air or water, nobody asks for a vacuum.
+    let quiet = |change: &dyn Fn(&mut Model)| {
+        let mut model = warm.clone();
+        change(&mut model);
+        let other = Problem { model: Arc::new(model), ..problem.clone() };
+        assert_eq!(of_gas(std::slice::from_ref(&convection), &other), None);
+    };
+    quiet(&|model| model.elements.retain(|own| own.physics().drawing() != Drawing::Path(Path::Radiation)));
+    quiet(&|model| model.nodes[0].name = "air_gap".to_owned());
+    quiet(&|model| model.inputs[0].name = "Water".to_owned());
+    quiet(&|model| model.title = "A store of oil, outdoors".to_owned());
     let (name, unit, range, description) = ("pressure".to_owned(), "Pa".to_owned(), None, String::new());
     warm.inputs.push(Input { name, unit, nominal: 0.001, range, settable: true, description });
     problem.model = Arc::new(warm);
