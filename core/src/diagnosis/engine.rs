@@ -459,7 +459,7 @@ impl Diagnosis {
             }
         }
         if problem.is_misspecified {
-            self.order_plain_laws(state);
+            self.order_plain_laws(problem, state);
         } else if finds && self.settings.most > 1 {
             for pair in screening.pairs.iter().take(PAIRS) {
                 state.order(&[&pair[0], &pair[1]], &[], 0);

@@ -195,7 +195,7 @@ impl Diagnosis {
 
     /// Orders the laws of whole groups, of no input before those of one, and in a small network those of single nodes: about a
     /// fit that a strong effect has distorted their linearisation tells little.
-    pub(crate) fn order_plain_laws(&self, state: &mut State) {
+    pub(crate) fn order_plain_laws(&self, problem: &Problem, state: &mut State) {
         let candidates = &self.problem().candidates;
         let inputs =
             |place: usize| self.problem().catalogue.get(&candidates[place].effect).map_or(0, Effect::levels_and_inputs);
@@ -218,7 +218,12 @@ impl Diagnosis {
             wanted.extend(of_nodes);
         }
         for candidate in wanted {
-            state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &[], 0);
+            if state.is_known(&[candidate]) {
+                continue;
+            }
+            let starts = problem.starts_at_levels(&state.refits[0], candidate);
+            let starts = if starts.is_empty() { vec![BTreeMap::new()] } else { starts };
+            state.order(&[&Lead { candidate, fall: 0.0, starts }], &[], 0);
         }
     }
 

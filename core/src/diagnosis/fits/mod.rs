@@ -2,12 +2,14 @@
 //!
 //! `refit`: the fit of a set and its evidence (`evidence`: of linear models in closed form). `threshold_gaps`: where thresholds
 //! are tried. `other_noise`: what the evidence is with another noise. `exchange`: exchanged channels. `held_out`: what the held-out rows say.
+//! `level_starts`: where the fit of an effect begins that is about a level of a temperature.
 //! `effect_heat_flow`: the heat that fitted effects carry. `size`: which effects are larger than plausible.
 
 pub(crate) mod effect_heat_flow;
 pub mod evidence;
 pub mod exchange;
 pub mod held_out;
+pub(crate) mod level_starts;
 pub mod other_noise;
 pub mod refit;
 pub mod size;

@@ -340,7 +340,7 @@ fn point_on_fewer_rows(
 }
 
 /// A start's unknowns, SI: within the priors' support, at their medians where it says nothing.
-fn place(likelihood: &Likelihood, start: &BTreeMap<String, f64>) -> Vec<f64> {
+pub(crate) fn place(likelihood: &Likelihood, start: &BTreeMap<String, f64>) -> Vec<f64> {
     let unknowns = likelihood.names().iter().zip(likelihood.priors());
     // A start may come from a set with a wider prior.
     let (least, most) = (1e-3, 1.0 - 1e-3);

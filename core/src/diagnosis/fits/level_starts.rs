@@ -1,0 +1,50 @@
+//! Starts of effects that are about a level of their nodes' own temperature, such as that at which something melts.
+
+use std::collections::BTreeMap;
+
+use crate::diagnosis::fits::refit::place;
+use crate::diagnosis::linearisation::threshold_levels::thresholds;
+use crate::diagnosis::{Problem, Refit};
+use crate::effect::{EffectParameter, Like};
+use crate::inference::target::{LeastSquares, Target};
+
+/// Sizes that are tried, in plausible ones.
+const SHARES_OF_SIZE: [f64; 3] = [1.0, 0.3, 0.1];
+/// Starts from which the effect is fitted.
+const STARTS: usize = 2;
+
+impl Problem {
+    /// Where the fit of an effect begins that is about a level of its nodes' own temperature: far from the level nothing leads there.
+    /// Those levels between the nodes' readings, with the whole plausible size and with a part of it, that err least beside the
+    /// baseline model's fit; none where there is no such level.
+    pub(crate) fn starts_at_levels(&self, baseline: &Refit, candidate: usize) -> Vec<BTreeMap<String, f64>> {
+        let own = &self.candidates[candidate];
+        let Some(effect) = self.catalogue.get(&own.effect) else { return Vec::new() };
+        let parameters = effect.parameters(&self.model, &own.bound);
+        let is_level = |parameter: &&EffectParameter| {
+            let form = effect.form.parameters.get(&parameter.written);
+            form.is_some_and(|form| effect.like(&form.value) == Some(Like::OwnTemperature))
+        };
+        let Some(level) = parameters.iter().find(is_level) else { return Vec::new() };
+        let likelihood = self.hypothesis(&[candidate], 1.0).ok().and_then(|own| own.likelihood(self).ok());
+        let Some(likelihood) = likelihood else { return Vec::new() };
+        let mut memory = likelihood.workspace();
+        let mut residuals = vec![0.0; likelihood.residual_count()];
+        let mut tried: Vec<(f64, BTreeMap<String, f64>)> = Vec::new();
+        for value in thresholds(self, own, effect, level).unwrap_or_default() {
+            for share in SHARES_OF_SIZE {
+                let mut start = baseline.by_name();
+                for parameter in &parameters {
+                    let size = if parameter.amplitude { share * parameter.nominal } else { parameter.nominal };
+                    start.insert(format!("{}.{}", own.id, parameter.name), size);
+                }
+                start.insert(format!("{}.{}", own.id, level.name), value);
+                if likelihood.residuals(&place(&likelihood, &start), &mut memory, &mut residuals).is_ok() {
+                    tried.push((residuals.iter().map(|residual| residual * residual).sum(), start));
+                }
+            }
+        }
+        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        tried.into_iter().take(STARTS).map(|(_, start)| start).collect()
+    }
+}
