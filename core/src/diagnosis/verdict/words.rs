@@ -180,6 +180,16 @@ pub fn of_gas(effects: &[EffectResult], problem: &Problem) -> Option<String> {
     })
 }
 
+/// That none of the effects that were tried explains the misfit; `is_definite` says whether tests find something beside small errors.
+pub fn unexplained(tried: &str, is_definite: bool) -> String {
+    if is_definite {
+        return format!("Something is missing, and {tried}, explains it: see the missing heat by node.");
+    }
+    format!(
+        "The model errs by more than the instruments' noise, and {tried}, explains that; the tests find nothing definite, so that small errors everywhere may be all there is."
+    )
+}
+
 /// The sentences: how wrong, what is missing, how sure, what it does to the error, what else it could be.
 pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64) -> Vec<String> {
     let mut words = Vec::new();
@@ -237,12 +247,15 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
         }
         Verdict::Unexplained => {
-            words.push(format!(
-                "Something is missing, and none of {}, alone or in sets of up to {}, explains it: see the missing heat by node.",
+            let tried = format!(
+                "none of {}, alone or in sets of up to {}",
                 counted(output.looked_at[0], "effect"),
                 findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
-            ));
-            words.extend(too_far(findings));
+            );
+            let far = too_far(findings);
+            let is_definite = misfit.family_wise_p <= false_alarm || far.is_some() || findings.vetoed;
+            words.push(unexplained(&tried, is_definite));
+            words.extend(far);
             if findings.vetoed {
                 words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
             }

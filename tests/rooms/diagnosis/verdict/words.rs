@@ -18,6 +18,14 @@ fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
     assert!(found.starts_with("that is a misfit (p < 1e-6, "), "{found}");
 }
 
+#[test]
+fn something_is_said_to_be_missing_only_where_the_tests_find_it() {
+    let tried = "none of 9 effects, alone or in sets of up to 1";
+    assert!(unexplained(tried, true).starts_with("Something is missing, and none of 9 effects"));
+    let errors = unexplained(tried, false);
+    assert!(!errors.contains("missing") && errors.contains("errs by more than the instruments' noise, and none of 9"));
+}
+
 /// An effect with this most probable conductance, W/K.
 pub fn effect(most_probable: f64) -> EffectResult {
     let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
