@@ -220,8 +220,8 @@ impl Measurement {
             columns.filter(|column| model.inputs.get(column.input).is_some_and(medium::is_temperature));
         shown.extend(of_temperature.flat_map(|column| column.values.iter().copied()));
         let [least, most] = range(&shown);
-        let spread = spread_about(mean, &at_start).hypot(SHARE_OF_SPREAD * spread_shown);
-        let sd = spread.min(spread_shown).max(LEAST_SPREAD_OF_STARTS_K);
+        let [around, before] = [spread_about(mean, &at_start), SHARE_OF_SPREAD * spread_shown];
+        let sd = (around * around + before * before).sqrt().min(spread_shown).max(LEAST_SPREAD_OF_STARTS_K);
         let (lower, upper) = (Some((least - LEAST_SPREAD_OF_STARTS_K).max(0.0)), Some(most + LEAST_SPREAD_OF_STARTS_K));
         let prior = Distribution::Normal { mean, sd, lower, upper };
         *values.get_mut(node)? = Uncertain::Inferred(prior);

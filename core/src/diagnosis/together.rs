@@ -37,8 +37,8 @@ impl Jump {
     fn is_with(&self, other: &Self) -> bool {
         self.channel != other.channel
             && self.by * other.by > 0.0
-            && self.rows.start <= other.rows.end + APART - 1
-            && other.rows.start <= self.rows.end + APART - 1
+            && self.rows.start < other.rows.end + APART
+            && other.rows.start < self.rows.end + APART
             && other.by.abs() >= LEAST_SHARE * self.by.abs()
     }
 

@@ -70,7 +70,7 @@ fn value_in_row(model: &Model, measurement: &Measurement, row: usize) -> impl Fn
 /// Temperatures in the first row of a measurement that no node's start states, K: of boundaries, and of inputs, which may stand
 /// for surroundings that the model lacks.
 pub(crate) fn surroundings_at_start(model: &Model, measurement: &Measurement) -> Vec<f64> {
-    if measurement.len() == 0 {
+    if measurement.is_empty() {
         return Vec::new();
     }
     let value = value_in_row(model, measurement, 0);
