@@ -125,7 +125,7 @@ fn the_first_screen_tells_the_steps_and_what_each_does_to_the_error() {
     let second = step(Some("heat-load:board"), [0.30, 0.26], [0.35, 0.36]);
     let summary = shown(vec![first.clone(), second.clone(), step(None, [0.26, 0.26], [0.36, 0.36])]);
     has(&summary, &["Error, step 1: 0.83 → 0.35 K", "`conductive-path:baseplate:board`, probability 62.0 %"]);
-    has(&summary, &["Error, step 2: 0.35 → 0.36 K", "0.30 → 0.26 K", "No further effect is worth adding."]);
+    has(&summary, &["Error, step 2: 0.35 → 0.36 K", "0.30 → 0.26 K", "No further effect is added."]);
     assert!(!summary.contains("What that does to the error"), "{summary}");
     // As many effects as a set may have: nothing was said of a further one.
     assert!(!shown(vec![first, second]).contains("No further effect"));

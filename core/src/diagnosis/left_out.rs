@@ -311,6 +311,17 @@ fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
     all
 }
 
+/// The name of a steady phase, or the time of a row.
+fn row_in_words(measurement: &Measurement, row: usize) -> String {
+    match &measurement.rows {
+        Rows::Steady(phases) => phases[row].name.clone(),
+        Rows::Transient { inputs, .. } => {
+            let (length, unit) = unit_of_time(inputs.longest_s());
+            format!("{} {unit}", rounded(inputs.times_s[row] / length, TIME_DIGITS))
+        }
+    }
+}
+
 /// What a sensor of a measurement erred by and showed.
 struct Series<'a> {
     of: &'a [LeftOut],
@@ -538,16 +549,17 @@ impl Diagnosis {
             sensors.sort_unstable();
             sensors.dedup();
             let names: Vec<String> = sensors.iter().map(|&sensor| measurement.sensors[sensor].name.clone()).collect();
-            let time = |one: &Excursion| match &measurement.rows {
-                Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
-                Rows::Steady(phases) => phases[one.row].name.clone(),
-            };
             let message = format!(
                 "Readings of {} in {} jump together and come back (at {}{}): no fault of a sensor but something that the article \
                  did, and they are kept",
                 joined(&names),
                 measurement.name,
-                of_measurement.iter().take(3).map(time).collect::<Vec<_>>().join(", "),
+                of_measurement
+                    .iter()
+                    .take(3)
+                    .map(|one| row_in_words(measurement, one.row))
+                    .collect::<Vec<_>>()
+                    .join(", "),
                 if of_measurement.len() > 3 { ", ..." } else { "" },
             );
             Doubt {
@@ -566,13 +578,6 @@ impl Diagnosis {
         let one = |of_sensor: &[LeftOut]| {
             let measurement = &problem.measurements[of_sensor[0].measurement];
             let sensor = &measurement.sensors[of_sensor[0].sensor];
-            let place = |one: &LeftOut| match &measurement.rows {
-                Rows::Steady(phases) => phases[one.row].name.clone(),
-                Rows::Transient { inputs, .. } => {
-                    let (length, unit) = unit_of_time(inputs.longest_s());
-                    format!("{} {unit}", rounded(inputs.times_s[one.row] / length, TIME_DIGITS))
-                }
-            };
             let most = of_sensor.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
             let [stand, are, most_word] =
                 if of_sensor.len() == 1 { ["stands", "is", "by"] } else { ["stand", "are", "by up to"] };
@@ -581,7 +586,7 @@ impl Diagnosis {
                 counted(of_sensor.len(), "reading"),
                 sensor.name,
                 measurement.name,
-                of_sensor.iter().take(3).map(place).collect::<Vec<_>>().join(", "),
+                of_sensor.iter().take(3).map(|one| row_in_words(measurement, one.row)).collect::<Vec<_>>().join(", "),
                 if of_sensor.len() > 3 { ", ..." } else { "" },
                 problem.model.quantities[sensor.quantity].unit,
             );

@@ -205,7 +205,7 @@ fn steps(output: &Output) -> Vec<Statement> {
         let is_last = position + 1 == added.len().min(MOST_STEPS);
         let text = match added.len() - added.len().min(MOST_STEPS) {
             _ if !is_last => text,
-            0 if has_ended => text.plain(" No further effect is worth adding."),
+            0 if has_ended => text.plain(" No further effect is added."),
             0 => text,
             more => text.plain(format!(" {} follow; the diagnosis lists them.", counted(more, "smaller step"))),
         };
