@@ -142,7 +142,9 @@ fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, (diagnosis, ac
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
     for (id, [before, after]) in chosen.iter().filter_map(|finding| Some((&finding.id, worse(finding)?))) {
         let id = escaped(id);
-        text.push_str(&format!("with {id} the error on the held-out rows rises from {before:.2} to {after:.2} K\n"));
+        text.push_str(&format!(
+            "with {id} the error on the held-out readings rises from {before:.2} to {after:.2} K\n"
+        ));
     }
     if !next.extended.is_empty() {
         let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);
@@ -182,7 +184,7 @@ fn where_it_acts(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, acting: &A
     text
 }
 
-/// Errors on the held-out rows before and after, K, where they rise by more than a twentieth.
+/// Errors on the held-out readings before and after, K, where they rise by more than a twentieth.
 fn worse(finding: &EffectResult) -> Option<[f64; 2]> {
     let [before, after] = finding.rmse_k.held_out;
     let (before, after) = (before?, after?);

@@ -58,7 +58,10 @@ pub struct Surroundings {
 
 /// A parameter before (0) or after (1) a change, in words and in its own unit.
 fn state(change: &crate::study::ParameterChange, which: usize) -> String {
-    let shown = Shown::written(&change.unit);
+    // One unit for both.
+    let spreads = change.prior.iter().map(crate::random::Distribution::sd).filter(|sd| sd.is_finite());
+    let shown =
+        Shown::parameter_of(&change.unit, change.nominal.into_iter().map(f64::abs).chain(spreads).fold(0.0, f64::max));
     let prior = match (&change.draws, which) {
         (Some(source), 1) => format!("draws of {}", source.replace('`', "")),
         _ => prior_words(&change.prior[which], &shown),

@@ -1,11 +1,13 @@
-//! What is known of each parameter: its nominal value, its prior, its posterior, in the unit in which the study writes it.
+//! What is known of each parameter: its nominal value, its prior, its posterior, in the unit in which the study writes it, or that in which people
+//! read it.
 
 use serde::{Deserialize, Serialize};
 
+use crate::document::time::{is_rate, unit_of_rate};
 use crate::job::calibrate;
 use crate::random::Distribution;
 
-use super::number::{NONE, Shown, as_given, significant};
+use super::number::{NONE, Shown, as_given, significant, typeset};
 use super::section::problem::prior_words;
 use super::view::PassReport;
 
@@ -39,9 +41,29 @@ pub struct Known {
     pub posterior: Option<Posterior>,
     /// Where the prior comes from.
     pub source: String,
+    /// What it takes to state a change in a time by the hour, day or year.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<Rate>,
+}
+
+/// A parameter that is a change in a time, as the study writes it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rate {
+    /// Its unit.
+    pub unit: String,
+    /// Its prior, SI; `None` where it is fixed or draws stand in for it.
+    pub prior: Option<Distribution>,
 }
 
 impl Known {
+    /// About how large it is, in its unit.
+    fn size(&self) -> f64 {
+        // About a standard deviation.
+        let spread = self.prior_interval.map_or(0.0, |[low, high]| 0.25 * (high - low));
+        let posterior = self.posterior.as_ref().map_or(0.0, |own| own.mean.abs().max(own.sd));
+        [self.nominal.abs(), spread, posterior].into_iter().filter(|size| size.is_finite()).fold(0.0, f64::max)
+    }
+
     /// The nominal value as text.
     pub fn nominal_text(&self) -> String {
         as_given(self.nominal)
@@ -67,7 +89,36 @@ impl Known {
     }
 }
 
-/// What is known of the model's parameters, in its order.
+/// The same of one parameter in several passes, in the unit in which all are read: a slow change by the hour, day or year.
+pub fn stated(passes: &[&Known]) -> Vec<Known> {
+    let size = passes.iter().map(|own| own.size()).fold(0.0, f64::max);
+    let unit = passes.iter().find_map(|own| own.rate.as_ref()).map(|rate| rate.unit.as_str());
+    let Some((times, unit)) = unit.and_then(|unit| unit_of_rate(unit, size)) else {
+        return passes.iter().map(|own| (*own).clone()).collect();
+    };
+    let one = |own: &&Known| {
+        let prior =
+            own.rate.as_ref().and_then(|rate| Some(prior_words(&rate.prior?, &Shown::parameter(&rate.unit, size))));
+        let posterior = own.posterior.clone().map(|own| Posterior {
+            mean: times * own.mean,
+            sd: times * own.sd,
+            interval: own.interval.map(|end| times * end),
+            ..own
+        });
+        Known {
+            unit: typeset(&unit),
+            nominal: times * own.nominal,
+            prior: prior.unwrap_or_else(|| own.prior.clone()),
+            prior_interval: own.prior_interval.map(|ends| ends.map(|end| times * end)),
+            posterior,
+            rate: None,
+            ..(*own).clone()
+        }
+    };
+    passes.iter().map(one).collect()
+}
+
+/// What is known of the model's parameters, in its order, each as the study writes it.
 pub fn parameters(report: &PassReport<'_>) -> Vec<Known> {
     let one = |parameter: &crate::thermal::Parameter| {
         let shown = Shown::written(&parameter.unit);
@@ -96,6 +147,7 @@ pub fn parameters(report: &PassReport<'_>) -> Vec<Known> {
                     interval: [own.q025, own.q975],
                 }),
             source: parameter.source.clone(),
+            rate: is_rate(&parameter.unit).then(|| Rate { unit: parameter.unit.clone(), prior: spreads.copied() }),
             unit: shown.unit,
         }
     };

@@ -1,7 +1,7 @@
 //! Numbers as engineers read them: as many digits as the uncertainty allows, a true minus sign, never `-0.0`, no
 //! prefixes, absolute temperatures in degrees Celsius where the study writes them so.
 
-use crate::document::time::unit_of_rate;
+use crate::document::time::{unit_of_rate, unit_of_time};
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::math::functions::ln;
@@ -127,6 +127,17 @@ impl Shown {
             Some((length, unit)) => Self { factor: written.factor / length, zero: 0.0, unit: typeset(&unit) },
             None => written,
         }
+    }
+
+    /// The same by a size in SI.
+    pub fn parameter_of(unit: &str, size_si: f64) -> Self {
+        Self::parameter(unit, Self::written(unit).difference().value(size_si))
+    }
+
+    /// Times up to this one, s, in the unit that suits them.
+    pub fn time(longest_s: f64) -> Self {
+        let (length, unit) = unit_of_time(longest_s);
+        Self { factor: length, zero: 0.0, unit: unit.to_owned() }
     }
 
     /// The same unit for a difference or a spread.

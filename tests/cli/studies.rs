@@ -70,8 +70,8 @@ fn run_says_what_came_out_and_where_to_look() {
     insta::assert_snapshot!(printed(root.path(), &["run", "plate"]), @r#"
     plate/pass-1.json
       prior: P(plate) = 0.609, required 0.900: not met
-      delivered: RMSE 3.00 K as delivered; RMSE on held-out rows 3.00 K as delivered; 2 of 2 criteria kept as delivered (Each reading within 3 K of the model)
-        as delivered, plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
+      delivered: RMSE 3.00 K as delivered; RMSE on held-out readings 3.00 K as delivered; 2 of 2 criteria kept as delivered (Each reading within 3 K of the model)
+        as delivered, plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K on the readings for fitting, 3.00 K on those held out), at worst +3.00 K in phase P2.
       look at it: bmv show plate/pass-1.json, or bmv report plate/pass-1.json
     "#);
 }
@@ -102,7 +102,7 @@ fn compare_reads_from_the_verdict_to_the_heat_balance() {
     Where the model fails, worst first:
 
     - plate: the model is too cold; measured minus predicted is +3.00 K on average, RMSE 3.00 K (3.00 K
-      on the rows for fitting, 3.00 K on the rows held out), at worst +3.00 K in phase P2.
+      on the readings for fitting, 3.00 K on those held out), at worst +3.00 K in phase P2.
 
     Deviations by sensor. An RMSE above the 95 % range that the sensor's noise alone would give is
     marked as a failure, one below it as worth a look.
@@ -123,10 +123,10 @@ fn compare_reads_from_the_verdict_to_the_heat_balance() {
     Criteria: Each reading within 3 K of the model. Source: MIL-HDBK-340, 8.7.3: larger deviations need
     an explanation or a change of the model; stabilisation by SMC-S-016 (2014): less than 1 K in 5 h
     (only an excerpt could be opened)
-    Criterion                                      Value  Limit  Outcome
-    ---------------------------------------------  -----  -----  -------
-    share of readings within 3 K                    1.00   1.00  kept
-    share of readings within 3 K on held-out rows   1.00   1.00  kept
+    Criterion                              Value  Limit  Outcome
+    -------------------------------------  -----  -----  -------
+    share of readings within 3 K            1.00   1.00  kept
+    share of held-out readings within 3 K   1.00   1.00  kept
 
     Heat balance of the model.
     Phase  Sources      into  Stored  Imbalance

@@ -238,7 +238,7 @@ fn the_file_is_readable_and_says_why() {
             "where": ["box", "detector"],
             "parameters": {"conductance": {"unit": "W/K", "nominal": 0.0474, "prior": {"halfnormal": 0.1}}}
           }},
-          "because": "diagnosis `missing` of pass-1.json: ambiguous; probability 0.980, log Bayes factor 41.2; conductance 0.0474 W/K (most probable; standard deviation 0.0031 W/K); RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K; these data cannot tell it from `radiative-path:box:detector`",
+          "because": "diagnosis `missing` of pass-1.json: ambiguous; probability 0.980, log Bayes factor 41.2; conductance 0.0474 W/K (most probable; standard deviation 0.0031 W/K); RMSE 0.71 K -> 0.26 K, on held-out readings 0.83 K -> 0.27 K; these data cannot tell it from `radiative-path:box:detector`",
           "evidence": {"pass": "pass-1.json", "job": "missing", "probability": 0.98, "sd": {"conductance": 0.0031}}
         }
       },

@@ -167,7 +167,7 @@ fn start_temperatures_are_in_degrees_celsius() {
     assert!(row.contains("| 22.500 |") && row.contains("\u{B0}C") && !row.contains("295"), "{row}");
 }
 
-/// The card of an adopted effect states from when on it is there: in the record, or into every run.
+/// The card of an adopted effect states from when on it is there: in the record, or after each start.
 #[test]
 fn the_card_of_an_adopted_effect_states_its_time() {
     let card = |time: &str, seconds: f64| {
@@ -188,10 +188,43 @@ fn the_card_of_an_adopted_effect_states_its_time() {
     };
     for (time, seconds, said) in [
         ("date", 40_320.0, "W, from 11.20 h on"),
-        ("elapsed", 7560.0, "W, from 2.10 h into every run on"),
-        ("elapsed", 750.0, "W, from 12.5 min into every run on"),
+        ("elapsed", 7560.0, "W, from 2.10 h after each start on"),
+        ("elapsed", 750.0, "W, from 12.5 min after each start on"),
     ] {
         let line = card(time, seconds);
         assert!(line.contains(said), "{line}");
     }
+}
+
+/// A drift of 2e-7 K/s is 6.3 K a year, on the axes of traces and of pairs too.
+#[test]
+fn traces_of_slow_changes_have_the_unit_of_the_tables() {
+    let mut output = output(true);
+    let drift = output.parameters.get_mut("G").expect("an unknown");
+    (drift.unit, drift.mean, drift.map, drift.sd) = ("K/s".to_owned(), 2e-7, 2e-7, 1e-9);
+    output.draws.values.iter_mut().for_each(|draw| draw[0] *= 2.5e-7);
+    let report = rendered(&with(output));
+    for figure in ["tuned-trace-g", "tuned-pairs"] {
+        let (_, drawing, ..) =
+            report.figures.iter().find(|own| own.0 == figure).unwrap_or_else(|| {
+                panic!("{figure}: {:?}", report.figures.iter().map(|own| &own.0).collect::<Vec<_>>())
+            });
+        assert!(drawing.contains("G [K/yr]") && !drawing.contains("K/s"), "{drawing}");
+    }
+}
+
+/// A deviation that drifts by 5.9e-9 K/s drifts by 0.19 K a year.
+#[test]
+fn slopes_in_time_have_the_unit_of_slow_changes() {
+    let mut sample = transient();
+    let trend = json!({"measurement": "step test", "sensor": "T1", "against": "time", "unit": "s", "slope": -5.889e-9,
+        "slope_error": 3.4e-9, "correlation": -0.35, "change": -0.37});
+    let is_one = sample.results.iter_mut().any(|job| {
+        edit::<bmv::job::compare::Kind>(job, |output| {
+            output.trends = vec![serde_json::from_value(trend.clone()).expect("a trend")];
+        })
+    });
+    assert!(is_one, "a comparison");
+    let markdown = rendered(&sample).markdown;
+    assert!(markdown.contains("`time` | \u{2212}0.37 | \u{2212}0.19 \u{b1} 0.11 | yr |"), "{markdown}");
 }

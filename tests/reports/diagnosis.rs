@@ -1,6 +1,7 @@
 //! What reports say of a diagnosis: on the first screen and in its own section.
 
 use bmv::diagnosis::Output;
+use bmv::diagnosis::output::Precedence;
 use bmv::job::diagnose::Kind;
 use serde_json::{Value, json};
 
@@ -124,7 +125,7 @@ fn the_first_screen_tells_the_steps_and_what_each_does_to_the_error() {
     let second = step(Some("heat-load:board"), [0.30, 0.26], [0.35, 0.36]);
     let summary = shown(vec![first.clone(), second.clone(), step(None, [0.26, 0.26], [0.36, 0.36])]);
     has(&summary, &["Error, step 1: 0.83 → 0.35 K", "`conductive-path:baseplate:board`, probability 62.0 %"]);
-    has(&summary, &["Error, step 2: 0.35 → 0.36 K", "0.30 → 0.26 K", "No further effect is worth adding."]);
+    has(&summary, &["Error, step 2: 0.35 → 0.36 K", "0.30 → 0.26 K", "No further effect is added."]);
     assert!(!summary.contains("What that does to the error"), "{summary}");
     // As many effects as a set may have: nothing was said of a further one.
     assert!(!shown(vec![first, second]).contains("No further effect"));
@@ -159,9 +160,90 @@ fn a_rival_that_is_more_probable_than_what_is_proposed_is_said_first() {
         ],
     );
     has(&summary, &["What is missing: One of 2 effects.", "more probable: `radiative-path:baseplate:board` 75.3 %"]);
+    assert!(
+        summary.contains("; to be proposed first makes an effect no surer") && !summary.contains("goes second"),
+        "{summary}"
+    );
     has(&summary, &["Log Bayes factors: 41.2", "the evidence against the model without it"]);
     let summary = shown(0.1);
     assert!(!summary.contains("One of 2 effects") && !summary.contains("more probable"), "{summary}");
+}
+
+/// With several effects it is said before which of them, and by which rule.
+#[test]
+fn the_rule_by_which_a_less_probable_effect_is_proposed_stands_beside_its_rivals() {
+    let mut sample = diagnosed("ambiguous");
+    assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        (output.effects[0].probability, output.effects[1].probability) = (0.226, 0.753);
+        output.effects[0].precedence = Some(Precedence::Set);
+        output.effects[2].group = Some(2);
+        output.selected.push("heat-load:board".into());
+    }));
+    let summary = rendered(&sample).markdown.replace('\u{A0}', " ");
+    let said = "more probable than `conductive-path:baseplate:board`: `radiative-path:baseplate:board` 75.3 % (it goes second: with \
+                all that is selected it is more probable than the other would be in its place)";
+    has(&summary, &[said]);
+}
+
+/// What comes nearest may be probable among what was fitted, and no explanation.
+#[test]
+fn an_unexplained_misfit_is_not_contradicted_by_a_table() {
+    let shown = |unexplained: f64| {
+        let mut sample = diagnosed("unexplained");
+        assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            (output.effects[0].probability, output.probability_unexplained) = (0.86, unexplained);
+        }));
+        rendered(&sample).markdown.replace('\u{A0}', " ")
+    };
+    let near = shown(0.004);
+    has(&near, &["None of them explains the misfit: a probability compares them with one another", "| 86.0 % |"]);
+    has(&near, &["How sure: unexplained: p &lt; 1e-6", "nothing that was fitted explains enough of it"]);
+    has(&shown(0.97), &["nearest; none of them explains the misfit.", "How sure: unexplained: 97.0 %"]);
+}
+
+/// A size and the value at which it acts, or the time from which on it does, are one thing.
+#[test]
+fn a_size_is_stated_with_where_or_when_it_acts() {
+    let shown = |name: &str, setting: Value| {
+        let mut sample = diagnosed("identified");
+        assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            let effect = &mut output.effects[0];
+            let mut size = effect.amplitudes.remove("conductance").expect("an amplitude");
+            (size.value, size.unit) = (-1.46, "W".into());
+            let setting = serde_json::from_value(setting.clone()).expect("an amount");
+            effect.amplitudes = [("power".to_owned(), size), (name.to_owned(), setting)].into();
+        }));
+        let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+        (markdown.split("\n## ").nth(1).expect("a summary").to_owned(), section(&markdown, "diagnosis"))
+    };
+    let of = |value: f64, sd: f64, unit: &str| json!({"value": value, "sd": sd, "most_probable": value, "unit": unit, "at_bound": false});
+    let mut level = of(285.32, 0.11, "K");
+    level["level"] = json!({"of": "strap", "is_temperature": true});
+    let (summary, own) = shown("below", level);
+    has(&summary, &["power \u{2212}1.4600 ± 0.0031 W, below at strap = 12.17 ± 0.11 °C"]);
+    has(&own, &["| power \u{2212}1.4600 ± 0.0031 W, below at strap = 12.17 ± 0.11 °C |"]);
+    let (_, own) = shown("elapsed", of(7200.5, 60.0, "s"));
+    has(&own, &["| power \u{2212}1.4600 ± 0.0031 W, from 2.000 ± 0.017 h after each start on |"]);
+    let (_, own) = shown("date", of(7e6, 86400.0, "s"));
+    has(&own, &["W, from 81.0 ± 1.0 d on |"]);
+    let (_, own) = shown("date", of(37.9, 2.8, "1"));
+    has(&own, &["W, from phase 38 ± 3 on |"]);
+    let (_, own) = shown("date", of(0.1, 40.0, "1"));
+    has(&own, &["W; date open |"]);
+}
+
+/// The first and the last minutes of a long record have one unit.
+#[test]
+fn times_of_one_table_of_heat_have_one_unit() {
+    let mut sample = diagnosed("identified");
+    assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        let times = [2160.0, 48_708.0];
+        for (one, time_s) in output.effects[0].carries.iter_mut().zip(times) {
+            (one.phase, one.time_s) = (None, Some(time_s));
+        }
+    }));
+    let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+    has(&section(&markdown, "diagnosis"), &["`board` | 0.10 | 0.6000 h | 1.1 | 2.0 | 13.53 h |"]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Rendered reports.
 
 mod calibration;
-mod diagnosis;
+pub mod diagnosis;
 mod figures;
 mod history;
 mod hostile;

@@ -175,7 +175,7 @@ fn a_joint_that_changes_at_the_same_time_into_every_run_has_that_time() {
     assert!((own["elapsed"].value - 575.0).abs() < 30.0, "{own:?}");
     // Four standard deviations.
     assert!((own["change"].value - 0.5).abs() < 4.0 * own["change"].sd && own["change"].sd < 0.03, "{own:?}");
-    assert!(output.words.iter().any(|said| said.contains("into every run on")), "{:?}", output.words);
+    assert!(output.words.iter().any(|said| said.contains("after each start on")), "{:?}", output.words);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The baseline model with a set of effects added, and the measurements as it sees them.
 
 use crate::diagnosis::FitError;
+use crate::diagnosis::odds::medium;
 
 use crate::diagnosis::Problem;
 use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
@@ -17,6 +18,9 @@ use crate::thermal::Model;
 /// Least standard deviation of the start of a node that was added, where it is inferred, and how far outside the temperatures of
 /// the record it may lie, K.
 const LEAST_SPREAD_OF_STARTS_K: f64 = 1.0;
+/// Share of the standard deviation of a record's temperatures by which the start of a node that was added may be off where all begins
+/// at one temperature: what happened before the record is not known.
+const SHARE_OF_SPREAD: f64 = 0.25;
 
 /// A model with effects that a problem's model lacks.
 #[derive(Clone, Debug)]
@@ -183,8 +187,9 @@ impl Hypothesis {
 
 impl Measurement {
     /// Frees the start temperature of a node that was added, unless it is that of all: a part that a record finds at its host's
-    /// temperature is the exception. It stays between the temperatures that the record shows: a part without a source of its own
-    /// was never hotter or colder than all around it. The prior, K, where it is freed.
+    /// temperature is the exception. A part without a source of its own follows what surrounds it, later than that does: it stays
+    /// between the temperatures that the record shows, and the less its surroundings differ at the start, the nearer to them it is.
+    /// The prior, K, where it is freed.
     fn begin_free(&mut self, node: usize, model: &Model) -> Option<Distribution> {
         let width = self.sensors.len().max(1);
         let is_temperature = |sensor: usize| {
@@ -193,29 +198,33 @@ impl Measurement {
         };
         let readings = self.readings.iter().enumerate().filter(|(at, _)| is_temperature(at % width));
         let mut shown: Vec<f64> = readings.filter_map(|(_, reading)| *reading).collect();
-        let count = shown.len().max(1) as f64;
-        let mean = shown.iter().sum::<f64>() / count;
-        let square = shown.iter().map(|reading| (reading - mean) * (reading - mean)).sum::<f64>();
-        let sd = (square / count).sqrt().max(LEAST_SPREAD_OF_STARTS_K);
+        let mean = shown.iter().sum::<f64>() / shown.len().max(1) as f64;
+        let spread_shown = spread_about(mean, &shown);
+        let range =
+            |of: &[f64]| [of.iter().copied().fold(f64::INFINITY, f64::min), of.iter().copied().fold(0.0, f64::max)];
+        let mut at_start = medium::surroundings_at_start(model, self);
         let crate::measurement::Rows::Transient { initial, inputs, .. } = &mut self.rows else { return None };
         let Initial::Temperatures { values, shared, balanced } = initial else { return None };
-        let is_input = |column: &&crate::measurement::InputColumn| {
-            model.inputs.get(column.input).is_some_and(|input| {
-                Unit::parse(&input.unit).is_ok_and(|unit| unit.dimension == Dimension::TEMPERATURE)
-            })
-        };
-        shown.extend(inputs.columns.iter().filter(is_input).flat_map(|column| column.values.iter().copied()));
         if shared.contains(&node) || balanced.contains(&node) {
             return None;
         }
-        let value = values.get_mut(node)?;
-        let mean = value.nominal();
+        let mean = values.get(node)?.nominal();
         shown.push(mean);
-        let [least, most] =
-            [shown.iter().copied().fold(f64::INFINITY, f64::min), shown.iter().copied().fold(0.0, f64::max)];
+        // Boundaries have no start of their own. Space is no neighbour of what is inside: what no thermometer shows counts as the
+        // nearest that one does.
+        let [coldest, warmest] = range(&shown);
+        at_start.extend(values.iter().map(Uncertain::nominal).filter(|start| *start > 0.0));
+        at_start.iter_mut().for_each(|temperature| *temperature = temperature.clamp(coldest, warmest));
+        let columns = inputs.columns.iter();
+        let of_temperature =
+            columns.filter(|column| model.inputs.get(column.input).is_some_and(medium::is_temperature));
+        shown.extend(of_temperature.flat_map(|column| column.values.iter().copied()));
+        let [least, most] = range(&shown);
+        let [around, before] = [spread_about(mean, &at_start), SHARE_OF_SPREAD * spread_shown];
+        let sd = (around * around + before * before).sqrt().min(spread_shown).max(LEAST_SPREAD_OF_STARTS_K);
         let (lower, upper) = (Some((least - LEAST_SPREAD_OF_STARTS_K).max(0.0)), Some(most + LEAST_SPREAD_OF_STARTS_K));
         let prior = Distribution::Normal { mean, sd, lower, upper };
-        *value = Uncertain::Inferred(prior);
+        *values.get_mut(node)? = Uncertain::Inferred(prior);
         Some(prior)
     }
 
@@ -237,6 +246,12 @@ impl Measurement {
             values.push(value);
         }
     }
+}
+
+/// Root mean square distance of temperatures from one of them, K; 0 without any.
+fn spread_about(mean: f64, temperatures: &[f64]) -> f64 {
+    let square = temperatures.iter().map(|one| (one - mean) * (one - mean)).sum::<f64>();
+    (square / temperatures.len().max(1) as f64).sqrt()
 }
 
 /// The dimension of J/K.

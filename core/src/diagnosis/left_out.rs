@@ -10,10 +10,11 @@ use crate::diagnosis::engine::{Diagnosis, FitRequest, State};
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::odds::posterior_odds::log_posterior_weights;
 use crate::diagnosis::together::{Jump, LONGEST_ANSWER, are_alike, shown_by};
-use crate::diagnosis::verdict::numbers::joined;
+use crate::diagnosis::verdict::numbers::{joined, rounded};
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::document::code::{OUTLYING, TOGETHER};
 use crate::document::counted;
+use crate::document::time::unit_of_time;
 use crate::inference::likelihood::HALF_LN_TAU;
 use crate::math::functions::{ln, pow, sqrt};
 use crate::measurement::{Doubt, InputColumn, InputTable, Measurement, Rows};
@@ -21,6 +22,9 @@ use crate::statistics::quantile::quantile_sorted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::ops::Range;
+
+/// Digits of the time of a reading, by which its row is found.
+const TIME_DIGITS: usize = 6;
 
 /// A reading that is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -305,6 +309,17 @@ fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
     all
 }
 
+/// The name of a steady phase, or the time of a row.
+fn row_in_words(measurement: &Measurement, row: usize) -> String {
+    match &measurement.rows {
+        Rows::Steady(phases) => phases[row].name.clone(),
+        Rows::Transient { inputs, .. } => {
+            let (length, unit) = unit_of_time(inputs.longest_s());
+            format!("{} {unit}", rounded(inputs.times_s[row] / length, TIME_DIGITS))
+        }
+    }
+}
+
 /// What a sensor of a measurement erred by and showed.
 struct Series<'a> {
     of: &'a [LeftOut],
@@ -532,16 +547,17 @@ impl Diagnosis {
             sensors.sort_unstable();
             sensors.dedup();
             let names: Vec<String> = sensors.iter().map(|&sensor| measurement.sensors[sensor].name.clone()).collect();
-            let time = |one: &Excursion| match &measurement.rows {
-                Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
-                Rows::Steady(phases) => phases[one.row].name.clone(),
-            };
             let message = format!(
                 "Readings of {} in {} jump together and come back (at {}{}): no fault of a sensor but something that the article \
                  did, and they are kept",
                 joined(&names),
                 measurement.name,
-                of_measurement.iter().take(3).map(time).collect::<Vec<_>>().join(", "),
+                of_measurement
+                    .iter()
+                    .take(3)
+                    .map(|one| row_in_words(measurement, one.row))
+                    .collect::<Vec<_>>()
+                    .join(", "),
                 if of_measurement.len() > 3 { ", ..." } else { "" },
             );
             Doubt {
@@ -560,10 +576,6 @@ impl Diagnosis {
         let one = |of_sensor: &[LeftOut]| {
             let measurement = &problem.measurements[of_sensor[0].measurement];
             let sensor = &measurement.sensors[of_sensor[0].sensor];
-            let place = |one: &LeftOut| match &measurement.rows {
-                Rows::Steady(phases) => phases[one.row].name.clone(),
-                Rows::Transient { inputs, .. } => format!("{} s", inputs.times_s[one.row]),
-            };
             let most = of_sensor.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
             let [stand, are, most_word] =
                 if of_sensor.len() == 1 { ["stands", "is", "by"] } else { ["stand", "are", "by up to"] };
@@ -572,7 +584,7 @@ impl Diagnosis {
                 counted(of_sensor.len(), "reading"),
                 sensor.name,
                 measurement.name,
-                of_sensor.iter().take(3).map(place).collect::<Vec<_>>().join(", "),
+                of_sensor.iter().take(3).map(|one| row_in_words(measurement, one.row)).collect::<Vec<_>>().join(", "),
                 if of_sensor.len() > 3 { ", ..." } else { "" },
                 problem.model.quantities[sensor.quantity].unit,
             );

@@ -100,6 +100,44 @@ pub struct Amount {
     pub unit: String,
     /// Whether the fit pressed it against a bound.
     pub at_bound: bool,
+    /// Of what it is a value, where it says from which value of that on an effect acts, and that is no clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<Level>,
+}
+
+/// Of what a parameter is a value.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Level {
+    /// An input, or a node for its temperature.
+    pub of: String,
+    /// Whether it is a temperature, in K, and no difference of two.
+    pub is_temperature: bool,
+}
+
+/// Why an effect goes before a more probable one of its group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Precedence {
+    /// A larger share of its own probability is given to errors of the model.
+    ModelError,
+    /// Held-out readings speak against the other.
+    HeldOut,
+    /// It is a law, the other an unknown function.
+    Law,
+    /// It acts on a group, the other at a single place.
+    Group,
+    /// The other would have to be a hundred times as large as is plausible.
+    Size,
+    /// The whole selected set is more probable than those with the other in its place.
+    Set,
+    /// The other is that probable at another step only.
+    OtherStep,
+    /// A prior is in question, and the other adds something to the model.
+    Prior,
+    /// Its set has the fewest parameters.
+    FewestParameters,
+    /// Its set is the most probable one; the other is that probable over all its sets together.
+    BestSet,
 }
 
 /// Heat that an effect gives a node.
@@ -163,6 +201,9 @@ pub struct EffectResult {
     pub changes_nothing: bool,
     /// Number of its group; effects of one group cannot be told apart with these data.
     pub group: Option<u64>,
+    /// Why it leads its group although another one is more probable, where that is so and a rule says why.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub precedence: Option<Precedence>,
     /// Its parameters at the fit of its best set.
     pub amplitudes: BTreeMap<String, Amount>,
     /// Date and time from which on it is there, where it sets in at a date and the record says when its time is 0.

@@ -21,6 +21,17 @@ impl Output {
         self.effects.iter().find(|effect| effect.id == id)
     }
 
+    /// Effects of an effect's group that were not selected and are more probable than it, the most probable first.
+    pub fn more_probable(&self, own: &EffectResult) -> Vec<&EffectResult> {
+        let is_rival = |other: &&EffectResult| {
+            other.group.is_some() && other.group == own.group && !self.selected.contains(&other.id)
+        };
+        let rivals = self.effects.iter().filter(is_rival);
+        let mut rivals: Vec<&EffectResult> = rivals.filter(|other| other.probability > own.probability).collect();
+        rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        rivals
+    }
+
     /// Probability that all of these effects are missing, whatever else is: of the sets that have them, and at most that of the
     /// least probable one. `None` where no set has them all.
     pub fn odds(&self, chosen: &[&EffectResult]) -> Option<f64> {

@@ -109,12 +109,15 @@ pub struct LawOfStep {
     pub is_of_group: bool,
     /// Whether it acts elsewhere than the most probable law.
     pub is_elsewhere: bool,
+    /// Whether a law at a single place elsewhere, which is no part of what it does, is far more probable.
+    pub has_rival_elsewhere: bool,
 }
 
 /// Which law of a step goes first, of those that pay, the most probable first: it does, unless it acts at a single place and a whole
-/// surface explains nearly as much.
+/// surface explains nearly as much, which nothing elsewhere explains far better.
 pub fn whole_surface_first(laws: &[LawOfStep]) -> usize {
-    let alike = |one: &LawOfStep| one.is_of_group && !one.is_elsewhere && one.log > laws[0].log - CLEARLY;
+    let is_first_choice = |one: &LawOfStep| one.is_of_group && !one.is_elsewhere && !one.has_rival_elsewhere;
+    let alike = |one: &LawOfStep| is_first_choice(one) && one.log > laws[0].log - CLEARLY;
     if laws.first().is_none_or(|first| first.is_of_group) { 0 } else { laws.iter().position(alike).unwrap_or(0) }
 }
 
@@ -327,8 +330,13 @@ impl Diagnosis {
         without.map_or(f64::INFINITY, |without| logs[set] - logs[without])
     }
 
-    /// What may be added to a set.
+    /// What may be added to a set, and what is.
     fn step(&self, state: &State, logs: &[f64], at: usize, asked: AskedOfUnseen) -> Step {
+        self.step_to(state, logs, at, asked, None)
+    }
+
+    /// The same; where a next set is given, the step leads to that set, whatever would be added otherwise.
+    fn step_to(&self, state: &State, logs: &[f64], at: usize, asked: AskedOfUnseen, next_set: Option<usize>) -> Step {
         let next: Vec<(usize, usize)> = (0..logs.len())
             .filter_map(|place| Some((added(state, at, place)?, place)))
             .filter(|one| logs[one.1].is_finite())
@@ -377,21 +385,30 @@ impl Diagnosis {
             }
             (Some(law), _) => {
                 let laws: Vec<&Addition> = additions.iter().filter(pays).filter(|one| !is_curve(one)).collect();
+                let is_rival_elsewhere = |one: &Addition, other: &Addition| {
+                    !is_of_group(other)
+                        && is_elsewhere(one, other)
+                        && one.probability * RIVALS_WITHIN < other.probability
+                };
                 let of_step = |one: &&Addition| LawOfStep {
                     log: logs[one.place],
                     is_of_group: is_of_group(one),
                     is_elsewhere: is_elsewhere(one, law),
+                    has_rival_elsewhere: laws.iter().any(|other| is_rival_elsewhere(one, other)),
                 };
                 let first = whole_surface_first(&laws.iter().map(of_step).collect::<Vec<_>>());
                 laws.get(first).copied()
             }
             (None, curve) => curve.or_else(|| additions.iter().find(pays)),
         };
+        let to_given = |place: usize| additions.iter().find(|one| one.place == place);
+        let chosen = next_set.map_or(chosen, to_given);
         let before_others = law.zip(chosen).is_some_and(|(law, chosen)| is_of_group(chosen) && !is_of_group(law));
         // What the fitted rows want far more fails on the unseen ones: the effect would follow errors of the model.
         let is_rival = |one: &&Addition| (!before_others || is_of_group(one)) && (law.is_none() || !is_curve(one));
         let most_wanted = additions.iter().filter(is_rival).map(|one| one.probability).fold(0.0, f64::max);
-        let chosen = chosen.filter(|one| one.probability * RIVALS_WITHIN >= most_wanted).cloned();
+        let is_likely = |one: &&Addition| next_set.is_some() || one.probability * RIVALS_WITHIN >= most_wanted;
+        let chosen = chosen.filter(is_likely).cloned();
         let mut stays = exp(logs[at] - total);
         if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
             // Curves are asked only after the laws. Single places stand behind the surface that goes before them, whatever they
@@ -447,7 +464,11 @@ impl Diagnosis {
                         && if more == 0 { !rises(errors) } else { falls(errors) }
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
-                let place = place.filter(|&place| logs[place] > best.map_or(least, |best| logs[best.0]));
+                // A single place displaces a whole surface only where it would go before that.
+                let [surface, single] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
+                let displaces_surface = surface.is_group() && !single.is_group() && !surface.is_elsewhere_than(single);
+                let least = if displaces_surface { least.max(logs[end] + CLEARLY) } else { least };
+                let place = place.filter(|&place| logs[place] > best.map_or(least, |best| logs[best.0].max(least)));
                 if let Some(place) = place {
                     best = Some((place, number + 1));
                 }
@@ -465,7 +486,7 @@ impl Diagnosis {
             sets.push(next.unwrap_or(end));
         }
         let step = |pair: &[usize]| {
-            let own = Step { chosen: Some(pair[1]), ..self.step(state, logs, pair[0], AskedOfUnseen::FallUnlessClear) };
+            let own = self.step_to(state, logs, pair[0], AskedOfUnseen::FallUnlessClear, Some(pair[1]));
             let most = own.additions.iter().map(|one| one.probability).fold(0.0, f64::max);
             let is_likely = |one: &Addition| one.place == pair[1] && one.probability * RIVALS_WITHIN >= most;
             // What shows only beside the others is judged beside them.
@@ -481,7 +502,7 @@ impl Diagnosis {
         let added = state.refits[pair[1]].effects.iter().find(|one| !state.refits[pair[0]].effects.contains(one))?;
         let rest: Vec<usize> = state.refits[end].effects.iter().copied().filter(|one| one != added).collect();
         let before = state.refits.iter().position(|refit| refit.effects == rest)?;
-        Some(Step { chosen: Some(end), ..self.step(state, logs, before, AskedOfUnseen::FallUnlessClear) })
+        Some(self.step_to(state, logs, before, AskedOfUnseen::FallUnlessClear, Some(end)))
     }
 
     /// Whether an effect is an unknown function in which several inputs meet, which is asked where no law of plausible size is found.

@@ -30,10 +30,15 @@ pub fn unit_of_time(longest_s: f64) -> (f64, &'static str) {
     }
 }
 
+/// Whether a unit is that of a change in a second which is stated by a longer time where it is slow.
+pub fn is_rate(unit: &str) -> bool {
+    unit.strip_suffix("/s").is_some_and(|of| !FLOWS.contains(&of))
+}
+
 /// How a slow change is stated whose unit ends in `/s`, such as `K/s`: the length of the hour, day or year that shows it best, s, and the
 /// unit with it, such as `K/d`. `size` is in the unit. `None` where it is stated as it is.
 pub fn unit_of_rate(unit: &str, size: f64) -> Option<(f64, String)> {
-    let of = unit.strip_suffix("/s").filter(|of| !FLOWS.contains(of))?;
+    let of = unit.strip_suffix("/s").filter(|_| is_rate(unit))?;
     let size = size.abs();
     if size == 0.0 || size >= SLOW || size.is_nan() {
         return None;

@@ -426,16 +426,16 @@ fn to_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// `; RMSE 0.71 K -> 0.26 K, on held-out rows 0.83 K -> 0.27 K`, as far as it is known.
+/// `; RMSE 0.71 K -> 0.26 K, on held-out readings 0.83 K -> 0.27 K`, as far as it is known.
 fn rmse_text(rmse: &RmseChange) -> String {
     let pair = |pair: [Option<f64>; 2]| match pair {
         [Some(before), Some(after)] => Some(format!("{before:.2} K -> {after:.2} K")),
         _ => None,
     };
     match (pair(rmse.train), pair(rmse.held_out)) {
-        (Some(train), Some(held_out)) => format!("; RMSE {train}, on held-out rows {held_out}"),
+        (Some(train), Some(held_out)) => format!("; RMSE {train}, on held-out readings {held_out}"),
         (Some(train), None) => format!("; RMSE {train}"),
-        (None, Some(held_out)) => format!("; RMSE on held-out rows {held_out}"),
+        (None, Some(held_out)) => format!("; RMSE on held-out readings {held_out}"),
         (None, None) => String::new(),
     }
 }

@@ -86,6 +86,13 @@ pub struct ParameterSummary {
     pub laplace_sd: f64,
 }
 
+impl ParameterSummary {
+    /// About how large it is, in its unit.
+    pub fn size(&self) -> f64 {
+        self.mean.abs().max(self.sd)
+    }
+}
+
 /// Logarithm of the evidence (natural, normalising constants included).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Evidence {

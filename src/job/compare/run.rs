@@ -353,10 +353,10 @@ fn read(measurement: &Measurement) -> usize {
     rows.map(of_row).sum()
 }
 
-/// The profile's criteria, over the rows that a fit may use and those held out apart.
+/// The profile's criteria, over the readings that a fit may use and those held out apart.
 pub fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviation) -> Vec<Verdict> {
     let mut verdicts = Vec::new();
-    for (rows, statistics) in [("", train), (" on held-out rows", held_out)] {
+    for (which, of, statistics) in [("", "", train), ("held-out ", " of held-out readings", held_out)] {
         if statistics.count == 0 {
             continue;
         }
@@ -365,15 +365,15 @@ pub fn verdicts(criteria: &Criteria, train: &Deviation, held_out: &Deviation) ->
         };
         if let Some(limit) = criteria.mean_k {
             let kept = statistics.mean.abs() <= limit;
-            judge(format!("magnitude of the mean deviation{rows}, K"), statistics.mean.abs(), limit, kept);
+            judge(format!("magnitude of the mean deviation{of}, K"), statistics.mean.abs(), limit, kept);
         }
         if let Some(limit) = criteria.sd_k {
-            judge(format!("standard deviation{rows}, K"), statistics.sd, limit, statistics.sd <= limit);
+            judge(format!("standard deviation{of}, K"), statistics.sd, limit, statistics.sd <= limit);
         }
         if let Some(limit) = criteria.each_k {
             let share = criteria.share.unwrap_or(1.0);
             let kept = statistics.within_limit >= share;
-            judge(format!("share of readings within {limit} K{rows}"), statistics.within_limit, share, kept);
+            judge(format!("share of {which}readings within {limit} K"), statistics.within_limit, share, kept);
         }
     }
     verdicts
@@ -405,7 +405,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        7
+        8
     }
 
     fn identity(&self) -> Value {

@@ -19,7 +19,7 @@ pub fn signed(value: f64, unit: &str) -> String {
 
 /// One sentence a sensor that fails, the worst sensor first.
 ///
-/// A sensor fails where its RMSE on the rows for fitting or on those held out is above what the noise would give to so
+/// A sensor fails where its RMSE on the readings for fitting or on those held out is above what the noise would give to so
 /// many readings (95 %), or, where the noise is not known, where any reading in kelvin is beyond `limit_k`.
 pub fn fails(
     sensors: &[SensorSummary],
@@ -82,7 +82,7 @@ fn sentence(
     );
     if sensor.train.count > 0 && sensor.held_out.count > 0 {
         text.push_str(&format!(
-            " ({} on the rows for fitting, {} on the rows held out)",
+            " ({} on the readings for fitting, {} on those held out)",
             signed(sensor.train.rmse, &sensor.unit).trim_start_matches('+'),
             signed(sensor.held_out.rmse, &sensor.unit).trim_start_matches('+'),
         ));

@@ -63,6 +63,13 @@ pub struct Parameter {
     pub sd: f64,
 }
 
+impl Parameter {
+    /// About how large it is, SI: its nominal value, or its prior's spread where that is larger.
+    pub fn size(&self) -> f64 {
+        if self.sd.is_finite() { self.nominal.abs().max(self.sd) } else { self.nominal.abs() }
+    }
+}
+
 /// Derivative of a quantity by a parameter at the nominal parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Local {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::document::counted;
-use crate::report::known::Known;
+use crate::report::known::{self, Known};
 use crate::report::number::{NONE, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
 use crate::report::plot::{Axis, Bar, bar_chart, palette};
@@ -119,7 +119,7 @@ pub(super) fn statements(study: &ArchivedStudy) -> Option<Section> {
 }
 
 /// A parameter in the order in which it first appears, with the passes that have it.
-fn by_parameter(study: &ArchivedStudy) -> Vec<(&str, Vec<(&ArchivedPass, &Known)>)> {
+fn by_parameter(study: &ArchivedStudy) -> Vec<(&str, Vec<(&ArchivedPass, Known)>)> {
     let mut all: Vec<(&str, Vec<(&ArchivedPass, &Known)>)> = Vec::new();
     for pass in &study.passes {
         for own in &pass.record.parameters {
@@ -129,7 +129,11 @@ fn by_parameter(study: &ArchivedStudy) -> Vec<(&str, Vec<(&ArchivedPass, &Known)
             }
         }
     }
-    all
+    let in_one_unit = all.into_iter().map(|(name, list)| {
+        let (passes, knowns): (Vec<&ArchivedPass>, Vec<&Known>) = list.into_iter().unzip();
+        (name, passes.into_iter().zip(known::stated(&knowns)).collect())
+    });
+    in_one_unit.collect()
 }
 
 /// Parameters over the passes, from prior to posterior: a row where something changed or was inferred.
@@ -198,7 +202,7 @@ pub(super) fn parameters(study: &ArchivedStudy) -> Option<Section> {
 }
 
 /// Intervals of 95 % of a parameter's priors and posteriors; not without a posterior.
-fn intervals(parameter: &str, list: &[(&ArchivedPass, &Known)]) -> Option<Block> {
+fn intervals(parameter: &str, list: &[(&ArchivedPass, Known)]) -> Option<Block> {
     list.iter().find(|(_, own)| own.posterior.is_some())?;
     let mut bars: Vec<Bar> = Vec::new();
     let mut last_prior = None;
@@ -326,7 +330,7 @@ pub(super) fn flight(study: &ArchivedStudy) -> Option<Section> {
         let Some((first_pass, first)) = list.first() else { continue };
         let tuned = list.iter().rev().find(|(_, own)| own.posterior.is_some());
         let in_flight = last.and_then(|pass| {
-            let own = pass.record.parameters.iter().find(|own| own.name == parameter)?;
+            let (_, own) = list.iter().find(|(other, _)| std::ptr::eq(*other, pass))?;
             let draws =
                 pass.record.flight.iter().rev().find(|flight| flight.parameters.iter().any(|name| name == parameter));
             Some(

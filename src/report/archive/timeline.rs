@@ -37,6 +37,13 @@ pub(super) fn section(study: &ArchivedStudy) -> Option<Section> {
     (!blocks.is_empty()).then_some(Section { id: "timeline", title, blocks })
 }
 
+/// How the values of all passes are shown: in one unit, that of the largest.
+fn shown(passes: &[(&ArchivedPass, Vec<&DesignValue>)]) -> Shown {
+    let all = || passes.iter().flat_map(|(_, values)| values);
+    let largest = all().filter_map(|own| own.value).map(f64::abs).fold(0.0, f64::max);
+    Shown::parameter_of(all().next().map_or("1", |own| own.unit.as_str()), largest)
+}
+
 /// An approach with its values: number of the pass (from 1), value, interval.
 type Series<'r> = (&'r DesignValue, Vec<(f64, f64, Option<[f64; 2]>)>);
 
@@ -59,7 +66,7 @@ fn series<'r>(passes: &[(&'r ArchivedPass, Vec<&'r DesignValue>)]) -> Vec<Series
 
 fn figure(passes: &[(&ArchivedPass, Vec<&DesignValue>)], variable: &str, environment: &str) -> Figure {
     let all = series(passes);
-    let shown = Shown::written(all.first().map_or("1", |(own, _)| own.unit.as_str()));
+    let shown = shown(passes);
     let mut layers = Vec::new();
     // Margins of one size have one colour: on nominal values a ring, on stacked worst cases a disc.
     let mut margins: Vec<&str> = Vec::new();
@@ -118,8 +125,7 @@ fn figure(passes: &[(&ArchivedPass, Vec<&DesignValue>)], variable: &str, environ
 }
 
 fn table(passes: &[(&ArchivedPass, Vec<&DesignValue>)], variable: &str, environment: &str) -> Table {
-    let unit = passes.first().and_then(|(_, values)| values.first()).map_or("1", |own| own.unit.as_str());
-    let shown = Shown::written(unit);
+    let shown = shown(passes);
     let rows = passes.iter().flat_map(|(pass, values)| {
         values.iter().map(|own| {
             let interval = own.interval.map_or_else(

@@ -229,7 +229,7 @@ fn parameters(output: &Output) -> Block {
         };
         let is_few = |ess: Option<f64>| ess.is_none_or(|ess| ess < LEAST_EFFECTIVE);
         let few = is_few(summary.ess_bulk) || is_few(summary.ess_tail);
-        let size = summary.mean.abs().max(summary.sd);
+        let size = summary.size();
         let (times, unit) = stated(&summary.unit, size);
         let to = |value: f64, sd: f64| to(times * value, times * sd);
         let prior = match &summary.posterior_prior {

@@ -6,7 +6,10 @@ mod figures;
 
 use crate::document::counted;
 use crate::job::compare::{Deviation, Kind, Output, SensorSummary};
-use crate::report::number::{NONE, Shown, fixed, percent, signed, significant, with_error, with_unit};
+use crate::measurement::Rows;
+use crate::report::number::{
+    NONE, Shown, as_given, fixed, percent, signed, significant, stated, typeset, with_error, with_unit,
+};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;
 
@@ -296,14 +299,22 @@ fn trends(output: &Output) -> Option<Block> {
         .iter()
         .take(12)
         .map(|t| {
+            // In time as slow changes are stated; a slope in something else is as it is.
+            let (times, unit) = match t.unit.as_str() {
+                "s" => {
+                    let (times, unit) = stated("K/s", t.slope.abs().max(t.slope_error));
+                    (times, unit.trim_start_matches("K/").to_owned())
+                }
+                other => (1.0, typeset(other)),
+            };
             let is_clear = t.slope_error > 0.0 && t.slope.abs() > 3.0 * t.slope_error;
             vec![
                 Cell::code(&t.measurement),
                 Cell::code(&t.sensor),
                 Cell::code(&t.against),
                 signed(t.change, 2).into(),
-                with_error(t.slope, t.slope_error).into(),
-                crate::report::number::typeset(&t.unit).into(),
+                with_error(times * t.slope, times * t.slope_error).into(),
+                unit.into(),
                 Cell { text: fixed(t.correlation, 2).into(), status: is_clear.then_some(Status::Caution) },
             ]
         })
@@ -403,6 +414,15 @@ fn stabilisation(output: &Output) -> Option<Block> {
     ))
 }
 
+/// The last instant of a record, s.
+fn longest_s(report: &PassReport<'_>, measurement: &str) -> f64 {
+    let own = report.measurements.iter().find(|own| own.name == measurement);
+    own.map_or(0.0, |own| match &own.rows {
+        Rows::Steady(_) => 0.0,
+        Rows::Transient { inputs, .. } => inputs.longest_s(),
+    })
+}
+
 fn readings(report: &PassReport<'_>, output: &Output, has_several: bool) -> Option<Block> {
     if output.rows.is_empty() {
         return None;
@@ -414,7 +434,10 @@ fn readings(report: &PassReport<'_>, output: &Output, has_several: bool) -> Opti
             let shown: Shown = report.sensor_shown(r.measurement, r.sensor, r.unit);
             let moment = match (r.phase, r.time_s) {
                 (Some(phase), _) => Cell::code(phase),
-                (None, Some(time)) => format!("{} s", fixed(time, 1)).into(),
+                (None, Some(time_s)) => {
+                    let time = Shown::time(longest_s(report, r.measurement));
+                    with_unit(&as_given(time.value(time_s)), &time.unit).into()
+                }
                 (None, None) => NONE.into(),
             };
             vec![

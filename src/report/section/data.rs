@@ -73,6 +73,11 @@ fn uncertain(value: Option<&Uncertain>, shown: &Shown) -> String {
     }
 }
 
+fn time_constant(value: Option<&Uncertain>) -> String {
+    let seconds = if let Some(Uncertain::Known(seconds)) = value { *seconds } else { 0.0 };
+    uncertain(value, &Shown::time(seconds))
+}
+
 fn sensors(report: &PassReport<'_>, measurement: &Measurement) -> Block {
     let rows = measurement
         .sensors
@@ -113,8 +118,8 @@ fn sensor_row(report: &PassReport<'_>, measurement: &Measurement, position: usiz
         crate::report::number::typeset(&sensor.unit).into(),
         uncertain(sensor.sigma.as_ref(), &shown).into(),
         uncertain(sensor.bias.as_ref(), &shown).into(),
-        uncertain(sensor.lag_s.as_ref(), &Shown::si("s")).into(),
-        uncertain(sensor.correlation_time_s.as_ref(), &Shown::si("s")).into(),
+        time_constant(sensor.lag_s.as_ref()).into(),
+        time_constant(sensor.correlation_time_s.as_ref()).into(),
         if missing == 0 { Cell::from("0") } else { Cell::marked(missing.to_string(), Status::Caution) },
     ]
 }

@@ -16,7 +16,7 @@ use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Ton
 use crate::report::view::PassReport;
 
 use super::Entry;
-pub(super) use words::{led_by_group, more_probable, near_miss, one_of, proposed_first, since_s, since_start_s, size};
+pub(super) use words::{led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size};
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;
@@ -144,16 +144,21 @@ fn amplitudes(effect: &EffectResult) -> String {
     let one = |(position, (name, value)): (usize, (&String, &Amount))| match position {
         0 => format!("{name} {}", amount(value)),
         _ if is_open(value) => format!("{name} open"),
-        _ if words::is_onset(name) => format!("{name} {}", amount(&words::as_time(value))),
         _ => format!("{name} {}", amount(value)),
     };
     if words::is_harmonic(effect) {
         return size(effect).map_or_else(String::new, |(name, size)| format!("{name} {size}"));
     }
-    let (onset, sizes): (Vec<_>, Vec<_>) = effect.amplitudes.iter().partition(|(name, _)| words::is_onset(name));
-    let all: Vec<String> = sizes.into_iter().chain(onset).enumerate().take(2).map(one).collect();
-    let more = effect.amplitudes.len().saturating_sub(2);
-    if more > 0 { format!("{}; {more} more", all.join("; ")) } else { all.join("; ") }
+    let is_setting = |own: &(&String, &Amount)| words::is_onset(own.0) || own.1.level.is_some();
+    let (settings, sizes): (Vec<_>, Vec<_>) = effect.amplitudes.iter().partition(is_setting);
+    // A size with the value at which it acts, or the time from which on it does, is one thing.
+    let setting = settings.first().filter(|own| !sizes.is_empty() && !is_open(own.1));
+    let setting = setting.map(|(name, value)| words::level(name, value).unwrap_or_else(|| words::onset(name, value)));
+    let most = if setting.is_some() { 1 } else { 2 };
+    let shown: Vec<String> = sizes.into_iter().chain(settings).enumerate().take(most).map(one).collect();
+    let more = effect.amplitudes.len().saturating_sub(most + usize::from(setting.is_some()));
+    let text = format!("{}{}", shown.join("; "), setting.unwrap_or_default());
+    if more > 0 { format!("{text}; {more} more") } else { text }
 }
 
 /// Where an effect acts, and what it goes with.
@@ -201,6 +206,10 @@ fn effects(output: &Output) -> Option<Block> {
     let rows: Vec<Vec<Cell>> = rows.collect();
     let what = match output.verdict {
         Verdict::Adequate => Text::new("The effects that come nearest to what the noise leaves; none is needed."),
+        Verdict::Unexplained if others.iter().any(|own| own.probability > output.probability_unexplained) => Text::new(
+            "The effects that come nearest. None of them explains the misfit: a probability compares them with one another, \
+             and says of none that it is enough.",
+        ),
         Verdict::Unexplained => Text::new("The effects that come nearest; none of them explains the misfit."),
         _ => {
             let order = if output.steps.is_empty() {
@@ -350,6 +359,8 @@ fn noise(output: &Output) -> Option<Block> {
     let estimated: Vec<_> = output.noise.iter().filter(|(_, noise)| noise.estimated).collect();
     let with_model_error = estimated.iter().any(|(_, noise)| noise.model_error.is_some());
     let shown = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |value| significant(value, 3));
+    let times = estimated.iter().filter_map(|(_, noise)| noise.correlation_time_s);
+    let time = Shown::time(times.fold(0.0, f64::max));
     let sizes: Vec<f64> = estimated.iter().map(|(_, noise)| noise.counts_as.unwrap_or(noise.sigma)).collect();
     let rows: Vec<Vec<Cell>> = estimated
         .into_iter()
@@ -359,7 +370,10 @@ fn noise(output: &Output) -> Option<Block> {
                 row.extend([shown(noise.model_error).into(), shown(noise.counts_as).into()]);
             } else {
                 row.push(
-                    noise.correlation_time_s.map_or_else(|| "white".to_owned(), |time| significant(time, 3)).into(),
+                    noise
+                        .correlation_time_s
+                        .map_or_else(|| "white".to_owned(), |own| significant(time.value(own), 3))
+                        .into(),
                 );
                 row.push(percent(noise.correlated_share, 0).into());
             }
@@ -375,7 +389,7 @@ fn noise(output: &Output) -> Option<Block> {
     } else {
         (
             "Noise of the sensors as estimated from what the best pair of effects leaves, where the pass does not state all of it.",
-            [Column::number("Correlation time", "s"), Column::number("Correlated share", "")],
+            [Column::number("Correlation time", time.unit), Column::number("Correlated share", "")],
         )
     };
     let columns = [Column::text("Sensor"), Column::number("Standard deviation", "K")].into_iter().chain(columns);

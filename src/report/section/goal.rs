@@ -62,7 +62,7 @@ pub fn reasons(output: &Output) -> Vec<String> {
             .iter()
             .zip(&target.units)
             .zip(&target.sds)
-            .map(|((name, unit), &sd)| format!("{name}: {}", Shown::written(unit).difference().text(sd)))
+            .map(|((name, unit), &sd)| format!("{name}: {}", Shown::parameter_of(unit, sd).difference().text(sd)))
             .collect();
         reasons.push(format!("standard deviations that may be left: {}", standing.join(", ")));
     }
@@ -135,7 +135,7 @@ fn statements(output: &Output) -> Vec<Statement> {
         statements.push(match (target.parameters.as_slice(), target.units.as_slice(), target.sds.as_slice()) {
             ([name], [unit], [sd]) => Statement {
                 label: format!("Uncertainty of {name} that may be left"),
-                value: Shown::written(unit).difference().text(*sd),
+                value: Shown::parameter_of(unit, *sd).difference().text(*sd),
                 text: format!("its standard deviation; {all}").into(),
                 status: None,
             },
@@ -263,7 +263,7 @@ fn leading(output: &Output) -> Block {
         .iter()
         .take(MOST_LEADING)
         .map(|leading| {
-            let shown = Shown::written(&leading.unit);
+            let shown = Shown::parameter_of(&leading.unit, leading.mean.abs().max(leading.sd));
             vec![
                 Cell::code(&leading.parameter),
                 leading.main.as_ref().map_or(NONE.to_owned(), estimate_text).into(),

@@ -97,9 +97,14 @@ fn deviations(output: &Output) -> Block {
     })
 }
 
+/// How a parameter is shown: by the larger of its values.
+fn shown(own: &Correlated) -> Shown {
+    Shown::parameter_of(&own.unit, own.before.abs().max(own.after.abs()))
+}
+
 fn parameters(output: &Output) -> Block {
     let row = |own: &Correlated| {
-        let shown = Shown::written(&own.unit);
+        let shown = shown(own);
         let range = own.range.map(|end| as_given(shown.value(end)));
         let after = significant(shown.value(own.after), 4);
         vec![
@@ -128,10 +133,10 @@ fn changes(output: &Output) -> Option<Block> {
     if output.method == Method::LeastSquares || output.changes.is_empty() {
         return None;
     }
-    let unit = |name: &str| output.parameters.iter().find(|own| own.name == name).map(|own| own.unit.as_str());
+    let of = |name: &str| output.parameters.iter().find(|own| own.name == name).map(shown);
     let rows = output.changes.iter().enumerate().map(|(index, change)| {
         let name = change.parameter.as_deref().unwrap_or(NONE);
-        let shown = Shown::written(unit(name).unwrap_or(""));
+        let shown = of(name).unwrap_or_else(|| Shown::written(""));
         let value = change.value.map_or_else(|| NONE.to_owned(), |value| significant(shown.value(value), 4));
         vec![
             (index + 1).to_string().into(),

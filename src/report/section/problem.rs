@@ -99,7 +99,7 @@ pub fn prior_words(prior: &Distribution, shown: &Shown) -> String {
 pub fn parameter_shown(parameter: &Parameter, prior: Option<&Distribution>) -> Shown {
     let spread = prior.map_or(0.0, Distribution::sd);
     let size = parameter.nominal.abs().max(if spread.is_finite() { spread } else { 0.0 });
-    Shown::parameter(&parameter.unit, Shown::written(&parameter.unit).difference().value(size))
+    Shown::parameter_of(&parameter.unit, size)
 }
 
 fn parameters(report: &PassReport<'_>) -> Vec<Block> {

@@ -305,7 +305,7 @@ fn scatters(job: &str, output: &Output, case: &Case, quantity: &OfQuantity) -> V
     let shown = Shown::quantity(&quantity.unit, quantity.is_temperature);
     let figure = |(&at, x): (&usize, &Vec<f64>)| {
         let parameter = &output.parameters[at];
-        let along = Shown::written(&parameter.unit);
+        let along = Shown::parameter_of(&parameter.unit, parameter.size());
         let points = x.iter().zip(&scatter.y).map(|(&x, &y)| (along.value(x), shown.value(y))).collect();
         let chart = Chart {
             x: Axis::new(along.title(&parameter.name)),
@@ -420,8 +420,8 @@ fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize], by_diffe
         .iter()
         .map(|&at| {
             let (local, parameter): (_, &Parameter) = (&quantity.local[at], &output.parameters[at]);
-            let unit = Shown::written(&parameter.unit).difference();
-            // A derivative by the unit in which the study writes the parameter.
+            let unit = Shown::parameter_of(&parameter.unit, parameter.size()).difference();
+            // A derivative by the unit in which the parameter is stated.
             let scale = unit.value(1.0);
             vec![
                 Cell::code(&parameter.name),

@@ -279,7 +279,7 @@ fn worst_case(output: &Output) -> Option<Block> {
         .worst_case
         .iter()
         .map(|end| {
-            let parameter = Shown::written(&end.unit);
+            let parameter = Shown::parameter_of(&end.unit, end.nominal.abs().max(end.worst.abs()));
             let effect = Shown::quantity(&output.unit, output.is_temperature).difference();
             let sign = if end.effect > 0.0 { "+" } else { "" };
             vec![

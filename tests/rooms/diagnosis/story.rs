@@ -63,12 +63,20 @@ fn a_curve_goes_before_laws_that_it_beats_clearly_unless_it_predicts_worse() {
 
 #[test]
 fn a_whole_surface_goes_before_a_single_place_and_not_before_another_surface() {
-    let law = |log: f64, is_of_group: bool, is_elsewhere: bool| LawOfStep { log, is_of_group, is_elsewhere };
+    let law = |log: f64, is_of_group: bool, is_elsewhere: bool| LawOfStep {
+        log,
+        is_of_group,
+        is_elsewhere,
+        has_rival_elsewhere: false,
+    };
     let single = law(50.0, false, false);
     assert_eq!(whole_surface_first(&[single, law(49.0, false, false), law(45.0, true, false)]), 2);
     assert_eq!(whole_surface_first(&[single, law(45.0, true, true)]), 0, "it lies elsewhere");
     assert_eq!(whole_surface_first(&[single, law(39.0, true, false)]), 0, "it is clearly less probable");
     // Conductors to the air before heat in all panels: neither is a part of the other.
     assert_eq!(whole_surface_first(&[law(50.0, true, true), law(45.0, true, false)]), 0);
+    let outdone = LawOfStep { has_rival_elsewhere: true, ..law(45.0, true, false) };
+    assert_eq!(whole_surface_first(&[single, outdone]), 0, "what acts elsewhere is far more probable");
+    assert_eq!(whole_surface_first(&[single, outdone, law(44.0, true, false)]), 2);
     assert_eq!(whole_surface_first(&[]), 0);
 }

@@ -1,6 +1,7 @@
 mod body;
 mod csv;
 mod html;
+mod known;
 mod ladder;
 mod live;
 mod markdown;

@@ -57,3 +57,11 @@ fn probabilities_near_one_keep_their_rest() {
     assert_eq!(probability(0.9187), "0.919");
     assert_eq!(probability(1.0), "1.000");
 }
+
+#[test]
+fn times_have_the_unit_that_suits_the_longest_of_them() {
+    let day = Shown::time(5.0 * 86_400.0);
+    assert_eq!((day.value(43_200.0), day.unit.as_str()), (0.5, "d"));
+    assert_eq!(Shown::time(30.0).text(30.0), "30.00\u{A0}s");
+    assert_eq!(Shown::time(5400.0).text(5400.0), "90.00\u{A0}min");
+}

@@ -4,7 +4,8 @@
 use crate::diagnosis::Problem;
 use crate::effect::Bound;
 use crate::expression::{ExprId, Symbol, Unit};
-use crate::measurement::Rows;
+use crate::measurement::{Measurement, Rows};
+use crate::thermal::element::{Drawing, Path};
 use crate::thermal::{Input, Model, NodeKind};
 
 /// Pressure below which nothing convects, Pa: a thousandth of the atmosphere's, where Rayleigh's number is a millionth.
@@ -47,21 +48,36 @@ fn boundaries(model: &Model) -> Vec<ExprId> {
 fn in_each_row(problem: &Problem, mut visit: impl FnMut(&dyn Fn(Symbol) -> f64) -> bool) {
     for measurement in &problem.measurements {
         for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
-            let value = |symbol: Symbol| match (symbol, &measurement.rows) {
-                (Symbol::Input(own), Rows::Steady(phases)) => {
-                    phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN)
-                }
-                (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),
-                (Symbol::Time, Rows::Steady(_)) => 0.0,
-                (Symbol::Time, Rows::Transient { inputs, .. }) => inputs.times_s[row],
-                (Symbol::Parameter(own), _) => problem.model.parameters[own as usize].nominal,
-                _ => f64::NAN,
-            };
-            if !visit(&value) {
+            if !visit(&value_in_row(&problem.model, measurement, row)) {
                 return;
             }
         }
     }
+}
+
+/// What inputs, nominal parameters and the time are in a row.
+fn value_in_row(model: &Model, measurement: &Measurement, row: usize) -> impl Fn(Symbol) -> f64 {
+    move |symbol| match (symbol, &measurement.rows) {
+        (Symbol::Input(own), Rows::Steady(phases)) => phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN),
+        (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),
+        (Symbol::Time, Rows::Steady(_)) => 0.0,
+        (Symbol::Time, Rows::Transient { inputs, .. }) => inputs.times_s[row],
+        (Symbol::Parameter(own), _) => model.parameters[own as usize].nominal,
+        _ => f64::NAN,
+    }
+}
+
+/// Temperatures in the first row of a measurement that no node's start states, K: of boundaries, and of inputs, which may stand
+/// for surroundings that the model lacks.
+pub(crate) fn surroundings_at_start(model: &Model, measurement: &Measurement) -> Vec<f64> {
+    if measurement.is_empty() {
+        return Vec::new();
+    }
+    let value = value_in_row(model, measurement, 0);
+    let of_boundaries = boundaries(model).into_iter().map(|boundary| model.graph.evaluate(boundary, &value));
+    let inputs = (0..).zip(&model.inputs).filter(|(_, input)| is_temperature(input));
+    let of_inputs = inputs.map(|(own, _)| value(Symbol::Input(own)));
+    of_boundaries.chain(of_inputs).filter(|temperature| temperature.is_finite()).collect()
 }
 
 /// Whether the data were taken in vacuum: a boundary is colder than any room in some row, or a pressure among the inputs is
@@ -83,6 +99,44 @@ pub fn is_vacuum(problem: &Problem) -> bool {
         !is_cold
     });
     is_cold || most_pa.iter().any(|&most| most.is_finite() && most < NO_CONVECTION_PA)
+}
+
+/// Words in names of nodes, inputs and elements, or in the title of a model, that tell of a gas or a liquid about the hardware.
+const FLUIDS: [&str; 18] = [
+    "air",
+    "atmosphere",
+    "convection",
+    "fan",
+    "flow",
+    "gas",
+    "greenhouse",
+    "helium",
+    "indoor",
+    "nitrogen",
+    "outdoor",
+    "outside",
+    "room",
+    "ventilation",
+    "water",
+    "weather",
+    "wind",
+    "oil",
+];
+
+/// Whether a model may be that of a test in vacuum: heat is radiated in it, as it is there by whatever can lose any, and no name tells of a
+/// gas or a liquid.
+pub fn may_be_vacuum(model: &Model) -> bool {
+    let radiates = model.elements.iter().any(|own| own.physics().drawing() == Drawing::Path(Path::Radiation));
+    let nodes = model.nodes.iter().map(|own| own.name.as_str());
+    let inputs = model.inputs.iter().map(|own| own.name.as_str());
+    let elements = model.elements.iter().map(|own| own.name.as_str());
+    let names = nodes.chain(inputs).chain(elements).chain([model.title.as_str()]);
+    let mut words = names.flat_map(|name| name.split(|letter: char| !letter.is_alphabetic()));
+    let is_fluid = |word: &str| {
+        let word = word.to_lowercase();
+        FLUIDS.iter().any(|fluid| word == *fluid || word.strip_suffix('s') == Some(*fluid))
+    };
+    radiates && !words.any(is_fluid)
 }
 
 /// Whether surroundings of this temperature, K, are warmer than all that the record shows around the hardware, and than a room

@@ -10,10 +10,9 @@ use crate::diagnosis::odds::posterior_odds::{
     RIVALS_WITHIN, STANDS, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
 };
 use crate::diagnosis::output::{HeldOutTest, Output, Verdict};
-use crate::diagnosis::problem::is_idle;
 use crate::diagnosis::story::Story;
 use crate::diagnosis::verdict::discriminating_experiment;
-use crate::diagnosis::verdict::findings::{Findings, is_small_error};
+use crate::diagnosis::verdict::findings::{Findings, free, is_small_error};
 use crate::diagnosis::verdict::results::{detectable, misfit, models, noise, unseen};
 use crate::diagnosis::verdict::{collinear, few_readings, still, trend, words};
 use crate::diagnosis::{Problem, Refit};
@@ -29,6 +28,9 @@ const LEAST_TESTED: f64 = 1e-3;
 const FAR_FROM_NOISE: f64 = 1e-3;
 /// Reduced chi-square, beside the model error that is allowed for, above which a set does not bring the model near it.
 const FAR_FROM_MODEL_ERROR: f64 = 2.0;
+
+/// Probability of something that no effect describes from which on that is the verdict.
+const RATHER_ELSE: f64 = 0.5;
 
 /// Probability of nothing, with what the held-out rows say, below which these show what tests of the fitted rows do not find: one in
 /// twenty, as a test has it.
@@ -84,6 +86,7 @@ impl Diagnosis {
             late: Vec::new(),
             doubted: false,
             vetoed: false,
+            too_far: None,
             shown_by_held_out,
             fewest_parameters: false,
             model_errors: BTreeMap::new(),
@@ -145,6 +148,8 @@ impl Diagnosis {
             } else {
                 // The test was that of a set which is not adopted.
                 held_out_test = None;
+                let is_too_far = !chosen.effects.is_empty() && findings.weights.unexplained <= RATHER_ELSE;
+                findings.too_far = is_too_far.then_some(findings.selected);
                 findings.selected = 0;
                 findings.groups.clear();
                 findings.rivals.clear();
@@ -274,17 +279,12 @@ impl Diagnosis {
         let found = findings.remaining_now().is_some_and(|p| p <= self.settings().false_alarm);
         let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
         let far = match findings.state.is_misspecified() {
-            true => chosen.chi_square > FAR_FROM_MODEL_ERROR * freedom.max(1.0),
+            true => findings.reduced_chi_square(findings.selected) > FAR_FROM_MODEL_ERROR,
             false => chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE,
         };
-        let rather_else = findings.weights.unexplained > 0.5;
+        let rather_else = findings.weights.unexplained > RATHER_ELSE;
         (found && far) || rather_else
     }
-}
-
-/// Number of parameters that are not held at a bound.
-fn free(refit: &Refit) -> usize {
-    refit.held.iter().zip(&refit.names).filter(|(held, name)| !**held && !is_idle(name)).count()
 }
 
 fn named(findings: &Findings<'_>, effects: &[usize]) -> String {

@@ -3,7 +3,7 @@
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::output::{Amount, EffectResult};
-use crate::diagnosis::verdict::numbers::{short, stated_amount, with_error};
+use crate::diagnosis::verdict::numbers::{short, stated, stated_amount, with_error};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::document::percent;
 use crate::document::time::unit_of_time;
@@ -22,11 +22,13 @@ const ELSEWHERE: f64 = 0.1;
 /// Start temperatures that are stated of an effect.
 const MOST_STARTS: usize = 3;
 
-/// The size of an effect, after a comma: its first parameter but that of its onset. Nothing for one that has none, and for a curve,
+/// The size of an effect, after a comma: its first parameter but that of its onset, and but one that says at which value of
+/// something else it acts. Nothing for one that has none, and for a curve,
 /// of which the first knot says nothing. The most probable value, which `bmv adopt` writes, stands beside a mean that lies elsewhere.
 pub fn size(effect: &EffectResult, onset: Option<&Amount>) -> String {
     let is_onset = |amount: &Amount| onset.is_some_and(|onset| std::ptr::eq(onset, amount));
-    let first = effect.amplitudes.iter().find(|(_, amount)| !is_onset(amount)).filter(|(name, _)| *name != FIRST_KNOT);
+    let is_size = |amount: &Amount| !is_onset(amount) && amount.level.is_none();
+    let first = effect.amplitudes.iter().find(|(_, amount)| is_size(amount)).filter(|(name, _)| *name != FIRST_KNOT);
     first.map_or_else(String::new, |(name, amount)| {
         let (times, unit) = stated_amount(amount);
         if amount.at_bound {
@@ -43,11 +45,26 @@ pub fn size(effect: &EffectResult, onset: Option<&Amount>) -> String {
     })
 }
 
-/// When an effect sets in, after a comma: between two phases, at a time, or at a time into every run.
+/// At which value of an input or a node an effect acts, after a comma.
+pub fn level(effect: &EffectResult) -> String {
+    let one = |(name, amount): (&String, &Amount)| {
+        let level = amount.level.as_ref()?;
+        let (value, unit) = match level.is_temperature {
+            true => (amount.value - CELSIUS_ZERO_K, " degC".to_owned()),
+            false => (amount.value, stated(&amount.unit, 1.0).1),
+        };
+        let value = if amount.at_bound { short(value, 3) } else { with_error(value, amount.sd) };
+        let at_bound = if amount.at_bound { " (at a bound)" } else { "" };
+        Some(format!(", {name} at `{}` = {value}{unit}{at_bound}", level.of))
+    };
+    effect.amplitudes.iter().filter_map(one).collect()
+}
+
+/// When an effect sets in, after a comma: between two phases, at a time, or so long after every start.
 pub(super) fn onset(effect: &EffectResult, problem: &Problem) -> String {
     let Some((clock, amount)) = timed(effect, problem) else { return String::new() };
     if clock == Clock::Elapsed {
-        return format!(", from {} into every run on", instant(amount.value, amount));
+        return format!(", from {} after each start on", instant(amount.value, amount));
     }
     let (mut phases, mut runs): (Vec<(f64, &str)>, Vec<Run<'_>>) = Default::default();
     for measurement in &problem.measurements {

@@ -1,11 +1,12 @@
 //! The sets, weighed, and which of them is said.
 
-use crate::diagnosis::Problem;
 use crate::diagnosis::engine::{Remainder, State};
 use crate::diagnosis::odds::posterior_odds::{STANDS, SURE, SetProbabilities, best, held};
 use crate::diagnosis::output::Verdict;
+use crate::diagnosis::problem::is_idle;
 use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
+use crate::diagnosis::{Problem, Refit};
 use std::collections::BTreeMap;
 
 /// The sets, weighed, and which of them is said.
@@ -27,6 +28,8 @@ pub(crate) struct Findings<'a> {
     pub doubted: bool,
     /// Whether the held-out rows speak against a set that fits the others.
     pub vetoed: bool,
+    /// Position of the most probable set, where it leaves the model too far from the noise to be selected.
+    pub too_far: Option<usize>,
     /// Whether the held-out rows show what the tests of the fitted rows do not.
     pub shown_by_held_out: bool,
     /// Whether the selected set goes before a more probable one since odds are doubted.
@@ -40,6 +43,12 @@ pub(crate) struct Findings<'a> {
 }
 
 impl Findings<'_> {
+    /// What a set leaves, by the noise and the model error that is allowed for.
+    pub fn reduced_chi_square(&self, place: usize) -> f64 {
+        let refit = &self.state.refits[place];
+        refit.chi_square / (refit.residuals.len() as f64 - free(refit) as f64).max(1.0)
+    }
+
     pub fn id(&self, effect: usize) -> &str {
         &self.problem.candidates[effect].id
     }
@@ -149,6 +158,11 @@ impl Findings<'_> {
         let model_error_stands = own.iter().any(|&effect| self.model_error(effect) >= STANDS);
         if alone && sure && !model_error_stands { Verdict::Identified } else { Verdict::Ambiguous }
     }
+}
+
+/// Number of parameters that are not held at a bound.
+pub(super) fn free(refit: &Refit) -> usize {
+    refit.held.iter().zip(&refit.names).filter(|(held, name)| !**held && !is_idle(name)).count()
 }
 
 /// Whether the model errors that are allowed for are smaller than the noise of their sensors.

@@ -13,7 +13,7 @@ use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::odds::prior_odds::{CURVE_COST, PriorOdds};
 use crate::diagnosis::output::{EffectFile, EffectResult};
 use crate::diagnosis::verdict::findings::Findings;
-use crate::diagnosis::verdict::results::{amounts, watts};
+use crate::diagnosis::verdict::results::{parameters, watts};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::Diagnostics;
 use crate::effect::law::{LawFile, SCALE, laws};
@@ -121,7 +121,9 @@ fn result(best: &Fitted, curve: &EffectResult, curve_refit: &Refit, needless: Ve
         model_error: 0.0,
         log_bayes_factor: curve.log_bayes_factor + refit.log_evidence - curve_refit.log_evidence,
         log_bayes_factor_scales: None,
-        amplitudes: position.map(|position| amounts(&refit.amplitudes[position])).unwrap_or_default(),
+        amplitudes: position
+            .map(|position| parameters(problem, candidate, &refit.amplitudes[position]))
+            .unwrap_or_default(),
         rmse_k: crate::diagnosis::output::RmseChange {
             train: [curve.rmse_k.train[0], refit.rmse_train_k],
             held_out: [curve.rmse_k.held_out[0], refit.rmse_held_out_k],

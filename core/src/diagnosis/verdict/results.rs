@@ -7,8 +7,8 @@ use crate::diagnosis::hypothesis::InferredStart;
 use crate::diagnosis::odds::narrow_prior::{SEPARATE, TITLE};
 use crate::diagnosis::odds::posterior_odds::{LEAST_RIVAL, MOST_RIVALS};
 use crate::diagnosis::output::{
-    Amount, Detectable, EffectHeat, EffectResult, Misfit, ModelResult, NoiseResult, Rmse, RmseChange, StartResult,
-    StoryStep, Test, Unseen,
+    Amount, Detectable, EffectHeat, EffectResult, Level, Misfit, ModelResult, NoiseResult, Rmse, RmseChange,
+    StartResult, StoryStep, Test, Unseen,
 };
 use crate::diagnosis::problem::{FittedReading, is_idle};
 use crate::diagnosis::story::Step;
@@ -16,6 +16,8 @@ use crate::diagnosis::verdict::effect_words;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;
 use crate::diagnosis::{Problem, Refit};
+use crate::effect::{Bound, Candidate};
+use crate::expression::Unit;
 use crate::math::functions::exp;
 use crate::math::sum::log_sum_exp;
 use crate::measurement::unknown::start_name;
@@ -31,14 +33,39 @@ const LEAST_STATED: f64 = 1e-3;
 const MOVES_NOTHING: f64 = 0.01;
 
 /// Parameters of an effect as a result states them.
-pub(super) fn amounts(amplitudes: &[Amplitude]) -> BTreeMap<String, Amount> {
+fn amounts(amplitudes: &[Amplitude]) -> BTreeMap<String, Amount> {
     let one = |amplitude: &Amplitude| {
         let at_bound = amplitude.at_bound;
         let (value, sd) = if at_bound { (amplitude.mode, 0.0) } else { (amplitude.mean, amplitude.sd) };
-        let amount = Amount { value, sd, most_probable: amplitude.mode, unit: amplitude.unit.clone(), at_bound };
+        let amount =
+            Amount { value, sd, most_probable: amplitude.mode, unit: amplitude.unit.clone(), at_bound, level: None };
         (amplitude.name.clone(), amount)
     };
     amplitudes.iter().map(one).collect()
+}
+
+/// Parameters of an effect at a place as a result states them, each with what it is a value of.
+pub(super) fn parameters(
+    problem: &Problem,
+    candidate: &Candidate,
+    amplitudes: &[Amplitude],
+) -> BTreeMap<String, Amount> {
+    let mut amounts = amounts(amplitudes);
+    let Some(file) = problem.catalogue.get(&candidate.effect) else { return amounts };
+    let level = |input: &str| {
+        let position = file.form.inputs.iter().position(|entry| entry.name == input)?;
+        let bound = *candidate.bound.get(position).filter(|bound| !bound.is_clock(&problem.model))?;
+        let is_temperature = match bound {
+            Bound::Node(_) => true,
+            Bound::Input(index) => Unit::parse(&problem.model.inputs[index].unit).is_ok_and(|unit| unit.has_offset()),
+        };
+        Some(Level { of: bound.name(&problem.model).to_owned(), is_temperature })
+    };
+    for (name, amount) in &mut amounts {
+        let form = file.form.parameters.get(name);
+        amount.level = form.and_then(|form| level(&form.value.unit_of.as_ref()?.value));
+    }
+    amounts
 }
 
 /// The smallest and the largest heat into the node to which an effect gives most, W.
@@ -137,7 +164,8 @@ impl Diagnosis {
         let before = &state.refits[without];
         let log_bayes_factor = findings.log_bayes_factor(without, after);
         let position = refit.effects.iter().position(|&other| other == effect);
-        let amplitudes = position.map(|position| amounts(&refit.amplitudes[position])).unwrap_or_default();
+        let amplitudes =
+            position.map(|position| parameters(problem, candidate, &refit.amplitudes[position])).unwrap_or_default();
         let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
         let scales = group.and_then(|_| self.at_scales(findings, refit, log_bayes_factor));
         let is_stated = probability >= LEAST_STATED || group.is_some();
@@ -162,6 +190,7 @@ impl Diagnosis {
             log_bayes_factor_scales: scales,
             changes_nothing: changes_nothing(before, refit),
             group,
+            precedence: findings.precedence(effect),
             amplitudes,
             since: None,
             rmse_k: RmseChange {

@@ -1,17 +1,18 @@
 //! The verdict in sentences.
 
-use crate::diagnosis::odds::medium::{is_pressure, is_vacuum};
+use crate::diagnosis::odds::medium::{is_pressure, is_vacuum, may_be_vacuum};
 use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, StoryStep, Verdict};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::rises;
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
-    Likeness, asked_for, carried, onset, or_model_error, size, started, surprising, timed, too_narrow,
+    Likeness, asked_for, carried, level, onset, or_model_error, size, started, surprising, timed, too_narrow,
 };
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::numbers::{joined, kelvins, short, stated_amount, with_error};
 use crate::diagnosis::verdict::one_kind::one_kind;
+use crate::diagnosis::verdict::precedence;
 use crate::diagnosis::verdict::small_effects::is_curve_of_few_phases;
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
 use crate::document::{counted, p_stated, percent};
@@ -46,6 +47,19 @@ fn fails_on_held_out(findings: &Findings<'_>) -> Option<String> {
     Some(format!(
         "What the fitted rows want most, {}, fails on the held-out rows: their error goes from {before:.2} to {after:.2} K.",
         findings.id(most.effect)
+    ))
+}
+
+/// That the most probable set leaves too much to be an explanation.
+fn too_far(findings: &Findings<'_>) -> Option<String> {
+    let place = findings.too_far?;
+    let ids: Vec<String> =
+        findings.state.refits[place].effects.iter().map(|&effect| findings.id(effect).to_owned()).collect();
+    let beside = if findings.state.is_misspecified() { ", beside the model error that is allowed for" } else { "" };
+    Some(format!(
+        "What comes nearest, {}, is no explanation, however probable among what was fitted: tests still find something beside it, and its reduced chi-square is {:.1}{beside}.",
+        joined(&ids),
+        findings.reduced_chi_square(place)
     ))
 }
 
@@ -149,19 +163,31 @@ const LIKELY: f64 = 0.01;
 /// Effects that are said to need a gas.
 const MOST_OF_GAS: usize = 3;
 
-/// That effects which may be missing need a gas, where nothing tells whether there was any: how a study says that there was none.
+/// That effects which may be missing need a gas or a liquid, where nothing tells whether there was any and the model may be that of a
+/// test in vacuum: how a study says that it was.
 pub fn of_gas(effects: &[EffectResult], problem: &Problem) -> Option<String> {
     let needs = |own: &&EffectResult| problem.catalogue.get(&own.effect).is_some_and(Effect::needs_gas);
     let has_pressure = problem.model.inputs.iter().any(is_pressure);
     let likely = effects.iter().filter(|own| own.probability >= LIKELY && !own.changes_nothing);
     let ids: Vec<String> = likely.filter(needs).map(|own| format!("`{}`", own.id)).take(MOST_OF_GAS).collect();
-    (!ids.is_empty() && !has_pressure && !is_vacuum(problem)).then(|| {
+    (!ids.is_empty() && !has_pressure && !is_vacuum(problem) && may_be_vacuum(&problem.model)).then(|| {
         format!(
-            "{} would take a gas. Was the test in vacuum? Then say so by an input of the model, which nothing has to use: \
-             \"pressure\": {{\"unit\": \"Pa\", \"nominal\": 0.001}}.",
+            "{} can only be there if a gas or a liquid was about the hardware, of which the study says nothing. If the test was in vacuum, \
+             an input of the model, which nothing has to use, says so: \"pressure\": {{\"unit\": \"Pa\", \"nominal\": 0.001}}; \
+             otherwise nothing is to be done.",
             ids.join(", ")
         )
     })
+}
+
+/// That none of the effects that were tried explains the misfit; `is_definite` says whether tests find something beside small errors.
+pub fn unexplained(tried: &str, is_definite: bool) -> String {
+    if is_definite {
+        return format!("Something is missing, and {tried}, explains it: see the missing heat by node.");
+    }
+    format!(
+        "The model errs by more than the instruments' noise, and {tried}, explains that; the tests find nothing definite, so that small errors everywhere may be all there is."
+    )
 }
 
 /// The sentences: how wrong, what is missing, how sure, what it does to the error, what else it could be.
@@ -221,11 +247,15 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
         }
         Verdict::Unexplained => {
-            words.push(format!(
-                "Something is missing, and none of {}, alone or in sets of up to {}, explains it: see the missing heat by node.",
+            let tried = format!(
+                "none of {}, alone or in sets of up to {}",
                 counted(output.looked_at[0], "effect"),
                 findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
-            ));
+            );
+            let far = too_far(findings);
+            let is_definite = misfit.family_wise_p <= false_alarm || far.is_some() || findings.vetoed;
+            words.push(unexplained(&tried, is_definite));
+            words.extend(far);
             if findings.vetoed {
                 words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
             }
@@ -266,10 +296,11 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 let together = one_kind(&group, findings.problem);
                 let together = together.map_or_else(String::new, |words| format!(" {words}; proposed:"));
                 words.push(format!(
-                    "{head}:{together} {} ({}){}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}{}",
+                    "{head}:{together} {} ({}){}{}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}{}{}",
                     effect.title,
                     effect.id,
                     size(effect, timed(effect, findings.problem).map(|(_, amount)| amount)),
+                    level(effect),
                     onset(effect, findings.problem),
                     carried(effect),
                     started(effect),
@@ -277,7 +308,8 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     effect.log_bayes_factor,
                     asked_for(effect),
                     surprising(effect),
-                    or_model_error(effect, likeness(effect))
+                    or_model_error(effect, likeness(effect)),
+                    precedence::in_words(output, effect)
                 ));
             }
             let last = findings.story.as_ref().and_then(|story| story.steps.last());

@@ -30,7 +30,7 @@ impl Brief for Calibration {
     fn essentials(output: &Output) -> Vec<(String, String)> {
         let mut rows: Vec<(String, String)> = super::shown(output)
             .map(|(name, summary)| {
-                let (times, unit) = number::stated(&summary.unit, summary.mean.abs().max(summary.sd));
+                let (times, unit) = number::stated(&summary.unit, summary.size());
                 let value = number::with_error(times * summary.mean, times * summary.sd);
                 (name.clone(), if unit.is_empty() { value } else { format!("{value} {unit}") })
             })

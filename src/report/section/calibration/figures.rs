@@ -2,8 +2,8 @@
 
 use crate::document::counted;
 use crate::document::time::unit_of_time;
-use crate::job::calibrate::{Output, SensorPredictive};
-use crate::report::number::Shown;
+use crate::job::calibrate::{Output, ParameterSummary, SensorPredictive};
+use crate::report::number::{Shown, stated};
 use crate::report::page::{Block, Figure, Text};
 use crate::report::plot::{Axis, Chart, HeatMap, Layer, Mark, PairAxis, Shade, Stroke, heat_map, pairs, palette};
 
@@ -40,6 +40,11 @@ pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
     blocks
 }
 
+/// How an unknown is shown.
+fn shown(summary: Option<&ParameterSummary>) -> Shown {
+    summary.map_or_else(|| Shown::written(""), |summary| Shown::parameter(&summary.unit, summary.size()))
+}
+
 fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
     let count = output.order.len();
     if count < 2 || output.draws.values.is_empty() {
@@ -59,13 +64,14 @@ fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
         .map(|&place| {
             let name = &output.order[place];
             let summary = output.parameters.get(name);
-            let shown = Shown::written(summary.map_or("", |summary| summary.unit.as_str()));
+            let shown = shown(summary);
+            let times = summary.map_or(1.0, |summary| stated(&summary.unit, summary.size()).0);
             let draws = output.draws.values.iter();
             PairAxis {
                 title: shown.title(name),
                 draws: draws.map(|draw| draw.get(place).map_or(f64::NAN, |value| shown.value(*value))).collect(),
-                // Already in the unknown's unit.
-                marked: summary.map(|summary| summary.map),
+                // Already in the unknown's unit as written.
+                marked: summary.map(|summary| times * summary.map),
             }
         })
         .collect();
@@ -176,8 +182,7 @@ fn prediction(job: &str, check: &SensorPredictive) -> Option<Figure> {
 
 /// Kept draws of an unknown by chain: place in the chain and value in the unknown's unit.
 fn by_chain(output: &Output, place: usize) -> Vec<Vec<(f64, f64)>> {
-    let unit = output.parameters.get(&output.order[place]).map_or("", |summary| summary.unit.as_str());
-    let shown = Shown::written(unit);
+    let shown = shown(output.parameters.get(&output.order[place]));
     let mut chains = vec![Vec::new(); usize::try_from(output.chains[0]).unwrap_or(0).min(64)];
     for (index, values) in output.draws.index.iter().zip(&output.draws.values) {
         let chain = usize::try_from(index[0]).ok().and_then(|chain| chains.get_mut(chain));
@@ -190,7 +195,6 @@ fn by_chain(output: &Output, place: usize) -> Vec<Vec<(f64, f64)>> {
 
 fn trace(job: &str, output: &Output, place: usize) -> Figure {
     let name = &output.order[place];
-    let unit = output.parameters.get(name).map_or("", |summary| summary.unit.as_str());
     let layers = by_chain(output, place).into_iter().enumerate().map(|(chain, points)| Layer::Line {
         points,
         colour: palette::series(chain),
@@ -199,7 +203,7 @@ fn trace(job: &str, output: &Output, place: usize) -> Figure {
     });
     let chart = Chart {
         x: Axis::new("Draw"),
-        y: Axis::new(Shown::written(unit).title(name)),
+        y: Axis::new(shown(output.parameters.get(name)).title(name)),
         layers: layers.collect(),
         height: 500,
         ..Chart::default()

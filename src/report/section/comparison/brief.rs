@@ -23,15 +23,15 @@ impl Brief for Comparison {
         if let Some(unit) = units.first().filter(|unit| units.iter().all(|other| other == *unit)) {
             let shown = Shown::si(unit);
             let tuned = output.tuned.as_ref();
-            let rows = [
+            let sets = [
                 ("", &output.train, tuned.map(|tuned| &tuned.train)),
-                (" on held-out rows", &output.held_out, tuned.map(|tuned| &tuned.held_out)),
+                (" on held-out readings", &output.held_out, tuned.map(|tuned| &tuned.held_out)),
             ];
-            for (rows, delivered, tuned) in rows.into_iter().filter(|(_, delivered, _)| delivered.count > 0) {
+            for (readings, delivered, tuned) in sets.into_iter().filter(|(_, delivered, _)| delivered.count > 0) {
                 let delivered = shown.text(delivered.rmse);
                 parts.push(match tuned {
-                    Some(tuned) => format!("RMSE{rows} {delivered} {untuned}, {} tuned", shown.text(tuned.rmse)),
-                    None => format!("RMSE{rows} {delivered} {untuned}"),
+                    Some(tuned) => format!("RMSE{readings} {delivered} {untuned}, {} tuned", shown.text(tuned.rmse)),
+                    None => format!("RMSE{readings} {delivered} {untuned}"),
                 });
             }
         }

@@ -55,12 +55,18 @@ fn probabilities(job: &str, output: &Output) -> Option<Figure> {
     })
 }
 
-/// The phase of some heat, or its instant.
-pub(super) fn stretch(phase: Option<&str>, time_s: Option<f64>) -> String {
+/// The last instant at which heat is stated, s: all are in its unit.
+pub(super) fn longest_s(output: &Output) -> f64 {
+    let carried = output.effects.iter().flat_map(|effect| &effect.carries).filter_map(|one| one.time_s);
+    output.heat.iter().filter_map(|heat| heat.time_s).chain(carried).fold(0.0, f64::max)
+}
+
+/// The phase of some heat, or its instant in a record that ends about `longest_s`.
+pub(super) fn stretch(phase: Option<&str>, time_s: Option<f64>, longest_s: f64) -> String {
     match (phase, time_s) {
         (Some(phase), _) => phase.to_owned(),
         (None, Some(time)) => {
-            let (length, unit) = unit_of_time(time);
+            let (length, unit) = unit_of_time(longest_s);
             format!("{} {unit}", significant(time / length, 4))
         }
         (None, None) => String::new(),
@@ -70,7 +76,8 @@ pub(super) fn stretch(phase: Option<&str>, time_s: Option<f64>) -> String {
 fn heat(job: &str, output: &Output) -> Option<Figure> {
     let mut nodes: Vec<&str> = Vec::new();
     let mut rows: Vec<String> = Vec::new();
-    let name = |heat: &Heat| stretch(heat.phase.as_deref(), heat.time_s);
+    let longest_s = longest_s(output);
+    let name = |heat: &Heat| stretch(heat.phase.as_deref(), heat.time_s, longest_s);
     for heat in &output.heat {
         if !nodes.contains(&heat.node.as_str()) {
             nodes.push(&heat.node);

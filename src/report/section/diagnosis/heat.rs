@@ -15,8 +15,9 @@ const MOST_NODES: usize = 3;
 
 /// The heat that the selected effects give the nodes they act on.
 pub(super) fn carried(output: &Output) -> Option<Block> {
+    let longest_s = figures::longest_s(output);
     let selected = output.selected.iter().filter_map(|id| output.effects.iter().find(|effect| effect.id == *id));
-    let rows: Vec<Vec<Cell>> = selected.flat_map(of_effect).collect();
+    let rows: Vec<Vec<Cell>> = selected.flat_map(|effect| of_effect(effect, longest_s)).collect();
     let several = output.effects.iter().flat_map(|effect| &effect.carries).any(|one| one.time_s.is_some());
     let means = if several { " Over a transient each value is the mean of a twelfth of its rows." } else { "" };
     (!rows.is_empty()).then(|| {
@@ -39,7 +40,7 @@ pub(super) fn carried(output: &Output) -> Option<Block> {
     })
 }
 
-fn of_effect(effect: &EffectResult) -> Vec<Vec<Cell>> {
+fn of_effect(effect: &EffectResult, longest_s: f64) -> Vec<Vec<Cell>> {
     let mut nodes: Vec<&str> = Vec::new();
     for one in &effect.carries {
         if !nodes.contains(&one.node.as_str()) {
@@ -55,10 +56,10 @@ fn of_effect(effect: &EffectResult) -> Vec<Vec<Cell>> {
             Cell::code(&effect.id),
             Cell::code(*node),
             significant(least.watts, 2).into(),
-            figures::stretch(least.phase.as_deref(), least.time_s).into(),
+            figures::stretch(least.phase.as_deref(), least.time_s, longest_s).into(),
             significant(mean, 2).into(),
             significant(most.watts, 2).into(),
-            figures::stretch(most.phase.as_deref(), most.time_s).into(),
+            figures::stretch(most.phase.as_deref(), most.time_s, longest_s).into(),
         ])
     };
     nodes.iter().take(MOST_NODES).filter_map(row).collect()
@@ -69,6 +70,7 @@ pub(super) fn missing(output: &Output) -> Option<Block> {
     if output.verdict != Verdict::Unexplained {
         return None;
     }
+    let longest_s = figures::longest_s(output);
     let clear = |heat: &Heat| if heat.sd > 0.0 { heat.watts.abs() / heat.sd } else { 0.0 };
     let mut clearest: Vec<&Heat> = output.heat.iter().filter(|heat| clear(heat) > 2.0).collect();
     clearest.sort_by(|a, b| clear(b).total_cmp(&clear(a)));
@@ -79,7 +81,7 @@ pub(super) fn missing(output: &Output) -> Option<Block> {
         .map(|heat| {
             vec![
                 Cell::code(&heat.node),
-                figures::stretch(heat.phase.as_deref(), heat.time_s).into(),
+                figures::stretch(heat.phase.as_deref(), heat.time_s, longest_s).into(),
                 with_error(heat.watts, heat.sd).into(),
                 fixed(clear(heat), 1).into(),
             ]

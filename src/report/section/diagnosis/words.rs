@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::diagnosis::output::{Amount, EffectResult, Output};
+use crate::diagnosis::output::{Amount, EffectResult, Output, Precedence};
 use crate::document::time::unit_of_time;
 use crate::document::{counted, p_stated};
+use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::math::functions::atan2;
 use crate::report::number::fixed;
 use crate::report::page::Text;
@@ -13,6 +14,8 @@ use super::{amount, chance};
 
 /// Probability of the tests below which a misfit is no clear agreement either.
 const NEAR: f64 = 0.05;
+/// Error of the number of a phase that is stated.
+const LEAST_PHASES: f64 = 0.5;
 /// Probability of an effect from which on it is worth a word that it may be there.
 const MAY_BE: f64 = 0.2;
 
@@ -36,19 +39,9 @@ pub(in crate::report::section) fn near_miss(output: &Output) -> Option<Text> {
     Some(text.plain(": a longer or stronger test would tell."))
 }
 
-/// Effects of an effect's group that were not selected and are more probable than it, the most probable first.
-pub(in crate::report::section) fn more_probable<'o>(output: &'o Output, own: &EffectResult) -> Vec<&'o EffectResult> {
-    let mut rivals: Vec<&EffectResult> = (output.effects.iter())
-        .filter(|other| other.group.is_some() && other.group == own.group && !output.selected.contains(&other.id))
-        .filter(|other| other.probability > own.probability)
-        .collect();
-    rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    rivals
-}
-
 /// An effect by its group where a rival is more probable, else by its title.
 pub(in crate::report::section) fn one_of(output: &Output, own: &EffectResult) -> String {
-    if more_probable(output, own).is_empty() {
+    if output.more_probable(own).is_empty() {
         return own.title.clone();
     }
     let members = output.effects.iter().filter(|other| other.group == own.group).count();
@@ -57,7 +50,7 @@ pub(in crate::report::section) fn one_of(output: &Output, own: &EffectResult) ->
 
 /// The beginning of what is said of an effect: its group before its name, where a rival is more probable.
 pub(in crate::report::section) fn led_by_group(text: Text, output: &Output, own: &EffectResult) -> Text {
-    if more_probable(output, own).is_empty() {
+    if output.more_probable(own).is_empty() {
         return text;
     }
     let group = one_of(output, own).replacen('O', "o", 1);
@@ -65,14 +58,24 @@ pub(in crate::report::section) fn led_by_group(text: Text, output: &Output, own:
     text.strong(group).plain(format!(" that these data cannot tell apart; proposed, with a probability of {chance}: "))
 }
 
-/// That the rivals are more probable, and why none of them is proposed.
-pub(in crate::report::section) fn proposed_first(text: Text, rivals: &[&EffectResult]) -> Text {
-    let mut text = text.plain("more probable: ");
-    for (position, rival) in rivals.iter().enumerate() {
-        text = text.plain(if position == 0 { "" } else { ", " }).code(&rival.id);
-        text = text.plain(format!(" {}", chance(rival.probability)));
+/// That rivals of effects are more probable, and why the effects are proposed first all the same; `None` where none is.
+pub(in crate::report::section) fn proposed_first(output: &Output, selected: &[&EffectResult]) -> Option<Text> {
+    let led: Vec<(&EffectResult, Vec<&EffectResult>)> =
+        selected.iter().map(|own| (*own, output.more_probable(own))).filter(|(_, rivals)| !rivals.is_empty()).collect();
+    let mut text = Text::default();
+    for (position, (own, rivals)) in led.iter().enumerate() {
+        text = text.plain(if position == 0 { "more probable" } else { "; more probable" });
+        // Of several it must be said which.
+        text = if selected.len() > 1 { text.plain(" than ").code(&own.id).plain(": ") } else { text.plain(": ") };
+        for (position, rival) in rivals.iter().enumerate() {
+            text = text.plain(if position == 0 { "" } else { ", " }).code(&rival.id);
+            text = text.plain(format!(" {}", chance(rival.probability)));
+        }
+        if let Some(reason) = own.precedence.map(Precedence::reason) {
+            text = text.plain(format!(" (it goes second: {reason})"));
+        }
     }
-    text.plain(". What invents less or takes fewer parameters is proposed first; that makes it no surer")
+    (!led.is_empty()).then(|| text.plain("; to be proposed first makes an effect no surer"))
 }
 
 /// Whether an effect is a harmonic, whose parts tell little one by one.
@@ -108,7 +111,7 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
         return Some(("power".to_owned(), format!("{}, {when}", amount(power))));
     }
     let onset = effect.amplitudes.iter().find(|(name, _)| is_onset(name));
-    let (name, value) = effect.amplitudes.iter().find(|(name, _)| onset.is_none_or(|(other, _)| *name != other))?;
+    let (name, value) = effect.amplitudes.iter().find(|(name, value)| !is_onset(name) && value.level.is_none())?;
     // A relative change is read as a share.
     let size = match (name.as_str(), value.unit.as_str()) {
         ("change", "1") => {
@@ -119,7 +122,8 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
     };
     let at = effect.since.as_ref().map_or_else(String::new, |at| format!(" ({})", at.replace(' ', "\u{A0}")));
     let when = onset.map_or_else(String::new, |(name, amount)| format!("{}{at}", since(name, amount)));
-    Some((name.clone(), format!("{size}{when}")))
+    let level: String = effect.amplitudes.iter().filter_map(|(name, value)| level(name, value)).collect();
+    Some((name.clone(), format!("{size}{level}{when}")))
 }
 
 /// The same at a time in a record.
@@ -127,9 +131,9 @@ pub(in crate::report::section) fn since_s(seconds: f64) -> String {
     format!(", from {} on", time(seconds))
 }
 
-/// The same at a time into every run.
+/// The same so long after every start.
 pub(in crate::report::section) fn since_start_s(seconds: f64) -> String {
-    format!(", from {} into every run on", time(seconds))
+    format!(", from {} after each start on", time(seconds))
 }
 
 /// Whether a parameter says when an effect sets in.
@@ -137,8 +141,30 @@ pub(super) fn is_onset(name: &str) -> bool {
     ["date", "elapsed"].contains(&name)
 }
 
+/// At which value of an input or a node an effect acts, after a comma; `None` of a parameter that does not say it.
+pub(super) fn level(name: &str, value: &Amount) -> Option<String> {
+    let level = value.level.as_ref()?;
+    let shown = match level.is_temperature {
+        true => Amount { value: value.value - CELSIUS_ZERO_K, unit: "degC".to_owned(), ..value.clone() },
+        false => value.clone(),
+    };
+    Some(format!(", {name} at {} = {}", level.of, amount(&shown)))
+}
+
+/// From when on an effect is there, with its error, after a comma.
+pub(super) fn onset(name: &str, when: &Amount) -> String {
+    match (name, when.unit.as_str()) {
+        ("elapsed", _) => format!(", from {} after each start on", amount(&as_time(when))),
+        (_, "1") if when.sd >= LEAST_PHASES => {
+            format!(", from phase {} \u{B1} {} on", fixed(when.value.ceil(), 0), fixed(when.sd.ceil(), 0))
+        }
+        (_, "1") => since(name, when),
+        _ => format!(", from {} on", amount(&as_time(when))),
+    }
+}
+
 /// A time with its error in the unit that suits it.
-pub(super) fn as_time(when: &Amount) -> Amount {
+fn as_time(when: &Amount) -> Amount {
     if when.unit != "s" {
         return when.clone();
     }
@@ -162,11 +188,11 @@ fn time(seconds: f64) -> String {
     )
 }
 
-/// From when on an effect is there: the number of a phase, the time in a record, or that into every run.
+/// From when on an effect is there: the number of a phase, the time in a record, or that after every start.
 fn since(name: &str, when: &Amount) -> String {
     match (name, when.unit.as_str()) {
         ("elapsed", "s") => since_start_s(when.value),
-        ("elapsed", _) => format!(", from {} into every run on", amount(when)),
+        ("elapsed", _) => format!(", from {} after each start on", amount(when)),
         (_, "s") => since_s(when.value),
         (_, "1") => format!(", from phase {} on", fixed(when.value.ceil(), 0)),
         _ => format!(", from {} on", amount(when)),

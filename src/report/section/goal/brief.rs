@@ -40,7 +40,7 @@ impl Brief for Goal {
         }
         if let Some(target) = &output.target {
             for ((name, unit), sd) in target.parameters.iter().zip(&target.units).zip(&target.sds) {
-                let text = Shown::written(unit).difference().text(*sd);
+                let text = Shown::parameter_of(unit, *sd).difference().text(*sd);
                 rows.push((format!("{name}: standard deviation that may be left"), text));
             }
         }

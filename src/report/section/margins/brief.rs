@@ -24,7 +24,8 @@ impl Brief for Correlation {
     }
 
     fn essentials(output: &Output) -> Vec<(String, String)> {
-        let value = |name: &String, unit: &str, value: f64| (name.clone(), Shown::written(unit).text(value));
+        let value =
+            |name: &String, unit: &str, value: f64| (name.clone(), Shown::parameter_of(unit, value).text(value));
         output.parameters.iter().map(|own| value(&own.name, &own.unit, own.after)).collect()
     }
 }

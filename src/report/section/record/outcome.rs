@@ -24,7 +24,7 @@ pub(super) fn requirements(report: &PassReport<'_>) -> Vec<Block> {
 
 /// The parameters: prior, source, posterior.
 pub(super) fn parameters(report: &PassReport<'_>) -> Vec<Block> {
-    let rows = known::parameters(report).into_iter().map(|own| {
+    let rows = known::parameters(report).into_iter().flat_map(|own| known::stated(&[&own])).map(|own| {
         vec![
             Cell::code(&own.name),
             own.unit.clone().into(),

@@ -8,7 +8,7 @@ use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output, StorySte
 use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
-use crate::report::section::diagnosis::{chance, more_probable, near_miss, one_of, proposed_first, size};
+use crate::report::section::diagnosis::{chance, near_miss, one_of, proposed_first, size};
 use crate::thermal::Model;
 
 /// Rivals that a statement names.
@@ -102,15 +102,14 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
                     text = text.plain(format!(", up to {size} {way} ")).code(&first.node);
                 }
             }
-            let rivals: Vec<&EffectResult> = selected.iter().flat_map(|effect| more_probable(output, effect)).collect();
-            if rivals.is_empty() {
+            let Some(before) = proposed_first(output, selected) else {
                 let titles: Vec<&str> = selected.iter().map(|effect| effect.title.as_str()).collect();
                 return statement(&titles.join(" + "), text.plain("."), Some(Status::Caution));
-            }
+            };
             // A name that a rival beats is no headline.
             let groups: Vec<String> = selected.iter().map(|effect| one_of(output, effect)).collect();
             let text = Text::new("Proposed: ").joined(Some(text)).plain("; ");
-            statement(&groups.join(" + "), proposed_first(text, &rivals).plain("."), Some(Status::Caution))
+            statement(&groups.join(" + "), text.joined(Some(before)).plain("."), Some(Status::Caution))
         }
     }
 }
@@ -126,6 +125,12 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
             let text = format!("Over all tests together. That nothing is missing has a probability of {nothing}.");
             (p_stated(output.misfit.family_wise_p), text)
         }
+        // What comes nearest may be probable among what was fitted, and no explanation.
+        (Verdict::Unexplained, _) if output.probability_unexplained <= 0.5 => (
+            p_stated(output.misfit.family_wise_p),
+            "That is the probability of a misfit as clear as this if nothing were missing; nothing that was fitted explains enough of it."
+                .to_owned(),
+        ),
         (Verdict::Unexplained, _) | (_, None) => {
             (chance(output.probability_unexplained), p(output.misfit.family_wise_p))
         }
@@ -200,7 +205,7 @@ fn steps(output: &Output) -> Vec<Statement> {
         let is_last = position + 1 == added.len().min(MOST_STEPS);
         let text = match added.len() - added.len().min(MOST_STEPS) {
             _ if !is_last => text,
-            0 if has_ended => text.plain(" No further effect is worth adding."),
+            0 if has_ended => text.plain(" No further effect is added."),
             0 => text,
             more => text.plain(format!(" {} follow; the diagnosis lists them.", counted(more, "smaller step"))),
         };

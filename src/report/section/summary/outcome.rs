@@ -13,7 +13,7 @@ use crate::report::ladder;
 use crate::report::number::{self, NONE, Shown, signed, significant, with_error, with_unit};
 use crate::report::page::{Statement, Status, Text};
 use crate::report::section::compliance::{Judged, counts, judged};
-use crate::report::section::diagnosis::{chance, led_by_group, more_probable, near_miss, proposed_first, size};
+use crate::report::section::diagnosis::{chance, led_by_group, near_miss, proposed_first, size};
 use crate::report::section::propagation::{nominal_cases, standing};
 use crate::report::section::summary::missing::probability_of_set;
 use crate::report::section::summary::unconverged;
@@ -100,7 +100,7 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                 true => each(each(text.plain("missing is "), &settled).plain("; open is "), &open),
                 false => each(text, &selected),
             };
-            let rivals: Vec<&EffectResult> = selected.iter().flat_map(|effect| more_probable(output, effect)).collect();
+            let before = proposed_first(output, &selected);
             let model = output.models.iter().find(|model| {
                 model.effects.len() == selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
             });
@@ -110,7 +110,7 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                     let what = if selected.len() == 1 { "it is" } else { "they are" };
                     text.plain(format!("; these data do not settle that {what} there."))
                 }
-                (Verdict::Ambiguous, _) if !rivals.is_empty() => proposed_first(text.plain("; "), &rivals).plain("."),
+                (Verdict::Ambiguous, _) if before.is_some() => text.plain("; ").joined(before).plain("."),
                 (Verdict::Ambiguous, _) => text.plain("; rivals explain the data as well."),
                 (_, Some(model)) => {
                     text.plain(format!("; probability {}.", chance(probability_of_set(model.probability, &selected))))
@@ -461,7 +461,7 @@ pub(super) fn of_calibration(output: &calibrate::Output) -> Option<Statement> {
         .filter_map(|(name, summary)| Some((name, summary, gain(summary)?)))
         .max_by(|a, b| a.2.total_cmp(&b.2))?;
     let (prior_mean, prior_sd) = before(summary);
-    let (times, unit) = number::stated(&summary.unit, summary.mean.abs().max(summary.sd));
+    let (times, unit) = number::stated(&summary.unit, summary.size());
     let presses = summary.at_bound > PRESSES;
     let text = format!(
         "the parameter that the calibration tells most of; before {}.",

@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/verdict/effect_words.rs`.
 
-use bmv::diagnosis::output::{Amount, EffectResult, RmseChange};
+use bmv::diagnosis::output::{Amount, EffectResult, Level, RmseChange};
 use bmv::diagnosis::verdict::effect_words::*;
 
 use super::words::effect;
@@ -55,10 +55,34 @@ fn the_size_of_what_sets_in_is_not_when_it_does() {
         most_probable: value,
         unit: unit.to_owned(),
         at_bound: false,
+        level: None,
     };
     let amplitudes = [("date".to_owned(), amount(687.0, "s")), ("power".to_owned(), amount(2.0, "W"))].into();
     let load = EffectResult { amplitudes, ..effect(0.03) };
     assert_eq!(size(&load, load.amplitudes.get("date")), ", power 2.00 ± 0.20 W");
+}
+
+/// `at` comes before `change`; a temperature is stated as one reads it.
+#[test]
+fn the_value_at_which_an_effect_acts_stands_beside_its_size_with_what_it_is_a_value_of() {
+    let of = |unit: &str, value: f64, level: Option<(&str, bool)>, at_bound: bool| Amount {
+        value,
+        sd: if at_bound { 0.0 } else { 0.02 },
+        most_probable: value,
+        unit: unit.to_owned(),
+        at_bound,
+        level: level.map(|(of, is_temperature)| Level { of: of.to_owned(), is_temperature }),
+    };
+    let with = |at: Amount| {
+        let amplitudes = [("at".to_owned(), at), ("change".to_owned(), of("1", 0.42, None, false))].into();
+        EffectResult { amplitudes, ..effect(0.03) }
+    };
+    let joint = with(of("K", 285.32, Some(("strap", true)), false));
+    assert_eq!(size(&joint, None), ", change 0.420 ± 0.020");
+    assert_eq!(level(&joint), ", at at `strap` = 12.170 ± 0.020 degC");
+    assert_eq!(level(&with(of("K", 5.0, Some(("rise", false)), false))), ", at at `rise` = 5.000 ± 0.020 K");
+    assert_eq!(level(&with(of("1", 3.0, Some(("speed", false)), true))), ", at at `speed` = 3.00 (at a bound)");
+    assert_eq!(level(&effect(0.03)), "");
 }
 
 /// Two runs of 10 h, of which the second begins at 100 h by its own clock.
@@ -77,6 +101,7 @@ fn a_date_is_stated_in_the_run_in_which_it_lies() {
         most_probable: when * hour,
         unit: "s".to_owned(),
         at_bound: false,
+        level: None,
     };
     let runs = || vec![run("cold", 10.0, 100.0), run("hot", 0.0, 0.0)];
     assert_eq!(in_runs(&at(2.5, 0.1), runs()).unwrap(), ", from 2.50 ± 0.10 h of `hot` on");

@@ -7,6 +7,7 @@ mod few_readings;
 mod lumped_nodes;
 mod numbers;
 mod one_kind;
+mod precedence;
 mod selection;
 mod small_effects;
 mod still;

@@ -7,7 +7,8 @@ use bmv::diagnosis::output::{EffectResult, StoryStep};
 use bmv::diagnosis::verdict::words::*;
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
-use bmv::thermal::{Input, NodeKind};
+use bmv::thermal::element::{Drawing, Path};
+use bmv::thermal::{Input, Model, NodeKind};
 use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
 #[test]
@@ -15,6 +16,14 @@ fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
     assert_eq!(clearness(0.96, 0.01), "the tests find no misfit in that (p = 0.96)");
     let found = clearness(0.0, 0.01);
     assert!(found.starts_with("that is a misfit (p < 1e-6, "), "{found}");
+}
+
+#[test]
+fn something_is_said_to_be_missing_only_where_the_tests_find_it() {
+    let tried = "none of 9 effects, alone or in sets of up to 1";
+    assert!(unexplained(tried, true).starts_with("Something is missing, and none of 9 effects"));
+    let errors = unexplained(tried, false);
+    assert!(!errors.contains("missing") && errors.contains("errs by more than the instruments' noise, and none of 9"));
 }
 
 /// An effect with this most probable conductance, W/K.
@@ -71,6 +80,18 @@ fn what_needs_a_gas_is_said_where_nothing_tells_of_a_vacuum_and_what_the_note_na
     );
     assert_eq!(of_gas(&[EffectResult { probability: 0.001, ..convection.clone() }], &problem), None);
     assert_eq!(of_gas(&[effect(0.03)], &problem), None);
+    assert!(note.contains("If the test was in vacuum") && note.contains("otherwise nothing is to be done"), "{note}");
+    // Where no heat is radiated, or a name tells of air or water, nobody asks for a vacuum.
+    let quiet = |change: &dyn Fn(&mut Model)| {
+        let mut model = warm.clone();
+        change(&mut model);
+        let other = Problem { model: Arc::new(model), ..problem.clone() };
+        assert_eq!(of_gas(std::slice::from_ref(&convection), &other), None);
+    };
+    quiet(&|model| model.elements.retain(|own| own.physics().drawing() != Drawing::Path(Path::Radiation)));
+    quiet(&|model| model.nodes[0].name = "air_gap".to_owned());
+    quiet(&|model| model.inputs[0].name = "Water".to_owned());
+    quiet(&|model| model.title = "A store of oil, outdoors".to_owned());
     let (name, unit, range, description) = ("pressure".to_owned(), "Pa".to_owned(), None, String::new());
     warm.inputs.push(Input { name, unit, nominal: 0.001, range, settable: true, description });
     problem.model = Arc::new(warm);

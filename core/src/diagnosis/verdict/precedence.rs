@@ -1,0 +1,129 @@
+//! Why the leading effect of a group goes first although another one of the group is more probable.
+
+use crate::diagnosis::odds::narrow_prior::is_prior;
+use crate::diagnosis::odds::posterior_odds::best;
+use crate::diagnosis::output::{EffectResult, Output, Precedence};
+use crate::diagnosis::story::{AskedOfUnseen, Step, Story, pays_by};
+use crate::diagnosis::verdict::findings::Findings;
+use crate::document::percent;
+
+impl Precedence {
+    /// The reason, to go on with after a colon or `because`.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::ModelError => {
+                "the readings want it more, but a larger share of its probability is given to errors of the model"
+            }
+            Self::HeldOut => "held-out readings speak against the other",
+            Self::Law => "a law goes before an unknown function that does not clearly explain more",
+            Self::Group => "what acts on a whole group goes before a single place that does not clearly explain more",
+            Self::Size => "the other would have to be a hundred times as large as is plausible",
+            Self::Set => "with all that is selected it is more probable than the other would be in its place",
+            Self::OtherStep => "the other is that probable only beside other effects",
+            Self::Prior => "a prior that may be too narrow is checked before anything is added",
+            Self::FewestParameters => "tests still find something beside both, and its set has the fewest parameters",
+            Self::BestSet => "its set is the most probable one, the other is that probable over several sets together",
+        }
+    }
+}
+
+/// Whether an effect, the first of each pair, is the more probable one by the readings, while errors of the model take more of it.
+pub fn is_by_model_error(weighed: [f64; 2], model_error: [f64; 2]) -> bool {
+    weighed[0] >= weighed[1] && model_error[0] > model_error[1]
+}
+
+/// That others of its group are more probable than an effect, and why it goes first all the same; nothing where none is.
+pub fn in_words(output: &Output, effect: &EffectResult) -> String {
+    let rivals = output.more_probable(effect);
+    let Some(first) = rivals.first() else { return String::new() };
+    let (others, are) = match rivals.len() {
+        1 => (String::new(), "is"),
+        count => (format!(" and {} more of its group", count - 1), "are"),
+    };
+    let reason = effect.precedence.map_or_else(String::new, |own| format!(": {}", own.reason()));
+    format!(
+        " It goes first although {} ({}){others} {are} more probable{reason}.",
+        first.id,
+        percent(first.probability)
+    )
+}
+
+impl Findings<'_> {
+    /// Why the effect that leads a group goes before a more probable one; `None` where it leads none, none is, or no rule says why.
+    pub(super) fn precedence(&self, effect: usize) -> Option<Precedence> {
+        let group = self.groups.iter().find(|group| group.first() == Some(&effect))?;
+        let selected = &self.state.refits[self.selected].effects;
+        let others = group[1..].iter().copied().filter(|other| !selected.contains(other));
+        let more_probable = |a: usize, b: usize| if self.probability(b) > self.probability(a) { b } else { a };
+        let other = others.reduce(more_probable)?;
+        if self.probability(other) <= self.probability(effect) {
+            return None;
+        }
+        let both = [effect, other];
+        if is_by_model_error(both.map(|one| self.probability_as_weighed(one)), both.map(|one| self.model_error(one))) {
+            return Some(Precedence::ModelError);
+        }
+        match &self.story {
+            Some(story) => self.precedence_in_story(story, effect, other),
+            None => self.precedence_of_set(effect, other),
+        }
+    }
+
+    /// Whether an effect acts on a group, and another one at a single place.
+    fn is_whole(&self, effect: usize, other: usize) -> bool {
+        self.problem.candidates[effect].is_group() && !self.problem.candidates[other].is_group()
+    }
+
+    fn precedence_of_set(&self, effect: usize, other: usize) -> Option<Precedence> {
+        let is_prior = |effect: usize| is_prior(&self.problem.candidates[effect]);
+        if is_prior(effect) && !is_prior(other) {
+            return Some(Precedence::Prior);
+        }
+        if self.is_whole(effect, other) {
+            return Some(Precedence::Group);
+        }
+        if self.fewest_parameters {
+            return Some(Precedence::FewestParameters);
+        }
+        (best(&self.weights) == Some(self.selected)).then_some(Precedence::BestSet)
+    }
+
+    fn precedence_in_story(&self, story: &Story, effect: usize, other: usize) -> Option<Precedence> {
+        let refits = &self.state.refits;
+        let adds =
+            |step: &&Step| step.additions.iter().any(|one| one.effect == effect && step.chosen == Some(one.place));
+        let step = story.steps.iter().find(adds)?;
+        let of = |effect: usize| step.additions.iter().find(|one| one.effect == effect);
+        let (own, rival) = (of(effect)?, of(other));
+        if let Some(rival) = rival.filter(|rival| rival.probability > own.probability) {
+            let [before, after] = [step.before, rival.place].map(|place| &refits[place]);
+            let gain = story.logs[rival.place] - story.logs[step.before];
+            let errors = [before.rmse_held_out_k, after.rmse_held_out_k];
+            if gain > 0.0 && !pays_by(gain, errors, before.effects.is_empty(), AskedOfUnseen::FallUnlessClear) {
+                return Some(Precedence::HeldOut);
+            }
+            let is_curve = |effect: usize| self.problem.is_unknown_function(effect);
+            if is_curve(other) && !is_curve(effect) {
+                return Some(Precedence::Law);
+            }
+            if self.is_whole(effect, other) {
+                return Some(Precedence::Group);
+            }
+            if after.is_implausible(other) && !refits[own.place].is_implausible(effect) {
+                return Some(Precedence::Size);
+            }
+        }
+        // Where another effect would have been first, the steps lead to a less probable set.
+        let selected = &refits[self.selected].effects;
+        let in_its_place = |place: &usize| {
+            let effects = &refits[*place].effects;
+            effects.len() == selected.len() && effects.contains(&other) && !effects.contains(&effect)
+        };
+        let sets = (0..refits.len()).filter(in_its_place).map(|place| story.logs[place]);
+        if sets.reduce(f64::max).is_some_and(|most| most < story.logs[self.selected]) {
+            return Some(Precedence::Set);
+        }
+        let here = rival.map_or(0.0, |rival| rival.probability);
+        (self.probability_as_weighed(other) > here).then_some(Precedence::OtherStep)
+    }
+}
