@@ -72,6 +72,9 @@ fn wax_that_melts_is_named_with_its_temperature() {
     let effect = output.effects.iter().find(|own| own.id == "latent-heat:box").expect("listed");
     assert!((effect.amplitudes["latent"].value - LATENT_J).abs() < 0.05 * LATENT_J, "{:?}", effect.amplitudes);
     assert!((effect.amplitudes["melting"].value - MELTING_K).abs() < 0.5, "{:?}", effect.amplitudes);
+    // In degrees Celsius, as people know it.
+    let said = format!(", melting at `box` = {:.1}", MELTING_K - 273.2);
+    assert!(output.words.iter().any(|words| words.contains(&said)), "{said} {:?}", output.words);
 }
 
 /// Three layers of wet ground of different thickness between a surface that swings and a depth that does not. Only the ratios of

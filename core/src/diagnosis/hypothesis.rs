@@ -1,9 +1,7 @@
 //! The baseline model with a set of effects added, and the measurements as it sees them.
 
-use crate::diagnosis::FitError;
 use crate::diagnosis::odds::medium;
-
-use crate::diagnosis::Problem;
+use crate::diagnosis::{FitError, Problem};
 use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
 use crate::effect::parameter::widened;
 use crate::effect::{
@@ -198,8 +196,8 @@ impl Measurement {
         };
         let readings = self.readings.iter().enumerate().filter(|(at, _)| is_temperature(at % width));
         let mut shown: Vec<f64> = readings.filter_map(|(_, reading)| *reading).collect();
-        let mean = shown.iter().sum::<f64>() / shown.len().max(1) as f64;
-        let spread_shown = spread_about(mean, &shown);
+        let of_readings = shown.iter().sum::<f64>() / shown.len().max(1) as f64;
+        let spread_shown = spread_about(of_readings, &shown);
         let range =
             |of: &[f64]| [of.iter().copied().fold(f64::INFINITY, f64::min), of.iter().copied().fold(0.0, f64::max)];
         let mut at_start = medium::surroundings_at_start(model, self);

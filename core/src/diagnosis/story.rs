@@ -121,6 +121,12 @@ pub fn whole_surface_first(laws: &[LawOfStep]) -> usize {
     if laws.first().is_none_or(|first| first.is_of_group) { 0 } else { laws.iter().position(alike).unwrap_or(0) }
 }
 
+/// Log odds by which another set has to lead that of a story to displace it: clear ones where it has more effects, or a single place
+/// for a whole surface that would go before it.
+pub fn least_lead(is_larger: bool, displaces_surface: bool) -> f64 {
+    if is_larger || displaces_surface { CLEARLY } else { 0.0 }
+}
+
 /// The errors of two sets on unseen rows.
 fn unseen(before: &Refit, after: &Refit) -> [Option<f64>; 2] {
     [before.rmse_held_out_k, after.rmse_held_out_k]
@@ -443,7 +449,6 @@ impl Diagnosis {
         let mut best: Option<(usize, usize)> = None;
         // The last effect has had the whole choice of its own.
         let earlier = if more == 0 { story.steps.len().saturating_sub(1) } else { story.steps.len() };
-        let least = logs[end] + if more == 0 { 0.0 } else { CLEARLY };
         for (number, step) in story.steps.iter().enumerate().take(earlier) {
             let chosen = step.chosen?;
             let gain = logs[chosen] - logs[step.before];
@@ -467,7 +472,7 @@ impl Diagnosis {
                 // A single place displaces a whole surface only where it would go before that.
                 let [surface, single] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
                 let displaces_surface = surface.is_group() && !single.is_group() && !surface.is_elsewhere_than(single);
-                let least = if displaces_surface { least.max(logs[end] + CLEARLY) } else { least };
+                let least = logs[end] + least_lead(more > 0, displaces_surface);
                 let place = place.filter(|&place| logs[place] > best.map_or(least, |best| logs[best.0].max(least)));
                 if let Some(place) = place {
                     best = Some((place, number + 1));

@@ -2,7 +2,7 @@
 
 use bmv::diagnosis::story::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::{
-    LawOfStep, Weighed, curve_goes_first, falls, pays_by, rises, serves_as_well, whole_surface_first,
+    LawOfStep, Weighed, curve_goes_first, falls, least_lead, pays_by, rises, serves_as_well, whole_surface_first,
 };
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
@@ -79,4 +79,10 @@ fn a_whole_surface_goes_before_a_single_place_and_not_before_another_surface() {
     assert_eq!(whole_surface_first(&[single, outdone]), 0, "what acts elsewhere is far more probable");
     assert_eq!(whole_surface_first(&[single, outdone, law(44.0, true, false)]), 2);
     assert_eq!(whole_surface_first(&[]), 0);
+}
+
+/// As a single place goes first at ten in log odds only.
+#[test]
+fn a_single_place_displaces_a_whole_surface_only_where_it_is_clearly_more_probable() {
+    assert_eq!([least_lead(false, true), least_lead(true, false), least_lead(false, false)], [10.0, 10.0, 0.0]);
 }

@@ -113,6 +113,7 @@ const FLUIDS: [&str; 18] = [
     "helium",
     "indoor",
     "nitrogen",
+    "oil",
     "outdoor",
     "outside",
     "room",
@@ -120,7 +121,6 @@ const FLUIDS: [&str; 18] = [
     "water",
     "weather",
     "wind",
-    "oil",
 ];
 
 /// Whether a model may be that of a test in vacuum: heat is radiated in it, as it is there by whatever can lose any, and no name tells of a

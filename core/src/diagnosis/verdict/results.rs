@@ -16,7 +16,8 @@ use crate::diagnosis::verdict::effect_words;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;
 use crate::diagnosis::{Problem, Refit};
-use crate::effect::{Bound, Candidate};
+use crate::effect::form::ParameterForm;
+use crate::effect::{Bound, Candidate, Like};
 use crate::expression::Unit;
 use crate::math::functions::exp;
 use crate::math::sum::log_sum_exp;
@@ -52,18 +53,21 @@ pub(super) fn parameters(
 ) -> BTreeMap<String, Amount> {
     let mut amounts = amounts(amplitudes);
     let Some(file) = problem.catalogue.get(&candidate.effect) else { return amounts };
-    let level = |input: &str| {
-        let position = file.form.inputs.iter().position(|entry| entry.name == input)?;
-        let bound = *candidate.bound.get(position).filter(|bound| !bound.is_clock(&problem.model))?;
-        let is_temperature = match bound {
-            Bound::Node(_) => true,
-            Bound::Input(index) => Unit::parse(&problem.model.inputs[index].unit).is_ok_and(|unit| unit.has_offset()),
-        };
-        Some(Level { of: bound.name(&problem.model).to_owned(), is_temperature })
+    let level = |form: &ParameterForm| match file.like(form)? {
+        Like::OwnTemperature => Some(Level { of: candidate.place.join(", "), is_temperature: true }),
+        Like::Input(position) => {
+            let bound = *candidate.bound.get(position).filter(|bound| !bound.is_clock(&problem.model))?;
+            let is_temperature = match bound {
+                Bound::Node(_) => true,
+                Bound::Input(index) => {
+                    Unit::parse(&problem.model.inputs[index].unit).is_ok_and(|unit| unit.has_offset())
+                }
+            };
+            Some(Level { of: bound.name(&problem.model).to_owned(), is_temperature })
+        }
     };
     for (name, amount) in &mut amounts {
-        let form = file.form.parameters.get(name);
-        amount.level = form.and_then(|form| level(&form.value.unit_of.as_ref()?.value));
+        amount.level = file.form.parameters.get(name).and_then(|form| level(&form.value));
     }
     amounts
 }

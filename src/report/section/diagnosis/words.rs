@@ -72,7 +72,7 @@ pub(in crate::report::section) fn proposed_first(output: &Output, selected: &[&E
             text = text.plain(format!(" {}", chance(rival.probability)));
         }
         if let Some(reason) = own.precedence.map(Precedence::reason) {
-            text = text.plain(format!(" (it goes second: {reason})"));
+            text = text.plain(format!(" (the proposed one goes first: {reason})"));
         }
     }
     (!led.is_empty()).then(|| text.plain("; to be proposed first makes an effect no surer"))
