@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::left_out::median;
+use crate::diagnosis::channel::median;
 
 /// A jump of a channel that comes back.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 mod blocks;
+mod channel;
 mod fits;
 mod heat;
 mod hypothesis;
-mod left_out;
 mod linearisation;
 mod memory;
 mod noise;

@@ -1,6 +1,6 @@
-//! Tests of `core/src/diagnosis/left_out.rs`.
+//! Tests of `core/src/diagnosis/channel.rs`.
 
-use bmv::diagnosis::left_out::{frozen, input_steps, spikes, stuck};
+use bmv::diagnosis::channel::{frozen, input_steps, spikes, stuck};
 use bmv::math::functions::{exp, sin};
 use bmv::random::StreamKey;
 use bmv::thermal::{InputColumn, InputTable};
