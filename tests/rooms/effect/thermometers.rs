@@ -21,11 +21,11 @@ fn rows_of_all_thermometers_stamped_too_early_are_inputs_logged_late() {
         match candidate.id == "sensor-clock:all thermometers" {
             true => {
                 of_all += 1;
-                assert!(title.starts_with("Inputs that are logged late relative to the thermometers"), "{title}");
+                assert!(title.starts_with("Clock of all thermometers behind that of the inputs"), "{title}");
             }
             false => {
                 of_one += 1;
-                assert!(title.starts_with("Sensor whose rows are stamped too early"), "{title}");
+                assert!(title.starts_with("Sensor whose clock is behind"), "{title}");
             }
         }
     }

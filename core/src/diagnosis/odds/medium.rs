@@ -80,6 +80,22 @@ pub(crate) fn surroundings_at_start(model: &Model, measurement: &Measurement) ->
     of_boundaries.chain(of_inputs).filter(|temperature| temperature.is_finite()).collect()
 }
 
+/// Least and largest value, K, of each input that is a temperature, over all rows; of those that ever have one.
+pub(crate) fn logged_temperatures(problem: &Problem) -> Vec<(usize, [f64; 2])> {
+    let inputs = problem.model.inputs.iter().enumerate().filter(|(_, input)| is_temperature(input));
+    let mut ranges: Vec<(usize, [f64; 2])> =
+        inputs.map(|(input, _)| (input, [f64::INFINITY, f64::NEG_INFINITY])).collect();
+    in_each_row(problem, |value| {
+        for (input, [least, most]) in &mut ranges {
+            let now = value(Bound::Input(*input).symbol());
+            (*least, *most) = (least.min(now), most.max(now));
+        }
+        true
+    });
+    ranges.retain(|(_, [least, most])| least <= most);
+    ranges
+}
+
 /// Whether the data were taken in vacuum: a boundary is colder than any room in some row, or a pressure among the inputs is
 /// low in all rows. A model that says neither may be anywhere.
 pub fn is_vacuum(problem: &Problem) -> bool {

@@ -256,14 +256,19 @@ pub(super) fn surprising(effect: &EffectResult) -> String {
 pub(super) fn carried(effect: &EffectResult) -> String {
     let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) else { return String::new() };
     let node = &first.node;
-    let range = |least: f64, most: f64| match (short(least, 2), short(most, 2)) {
-        (least, most) if least == most => format!("{least} W"),
-        (least, most) => format!("{least} to {most} W"),
+    let (size, unit) = match f64::max(least.abs(), most.abs()) {
+        largest if largest >= 1e6 => (1e6, "MW"),
+        largest if largest >= 1e3 => (1e3, "kW"),
+        _ => (1.0, "W"),
+    };
+    let range = |least: f64, most: f64| match (short(least / size, 2), short(most / size, 2)) {
+        (least, most) if least == most => format!("{least} {unit}"),
+        (least, most) => format!("{least} to {most} {unit}"),
     };
     if effect.amplitudes.contains_key(FIRST_KNOT) {
         // A curve's level trades for whatever else is constant there.
-        let swing = short(most - least, 2);
-        return format!(", heat that varies by {swing} W into {node} ({})", range(least, most));
+        let swing = short((most - least) / size, 2);
+        return format!(", heat that varies by {swing} {unit} into {node} ({})", range(least, most));
     }
     if most <= 0.0 {
         return format!(", which takes {} from {node}", range(-most, -least));

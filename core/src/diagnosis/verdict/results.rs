@@ -15,6 +15,7 @@ use crate::diagnosis::story::Step;
 use crate::diagnosis::verdict::effect_words;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;
+use crate::diagnosis::verdict::surroundings;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::form::ParameterForm;
 use crate::effect::{Bound, Candidate, Like};
@@ -175,7 +176,8 @@ impl Diagnosis {
         let is_stated = probability >= LEAST_STATED || group.is_some();
         let carries = if is_stated { effect_heat_flow(problem, refit, effect) } else { Vec::new() };
         let watts = watts(&carries);
-        let hints = if is_stated { hints(problem, refit, effect) } else { Vec::new() };
+        let mut hints = if is_stated { hints(problem, refit, effect) } else { Vec::new() };
+        hints.extend(surroundings::hint(problem, candidate, &amplitudes).filter(|_| is_stated));
         let starts = position.map(|position| starts(problem, refit, position)).unwrap_or_default();
         EffectResult {
             hints,

@@ -11,5 +11,6 @@ mod precedence;
 mod selection;
 mod small_effects;
 mod still;
+mod surroundings;
 mod trend;
 mod words;
