@@ -32,6 +32,9 @@ const LEAST_HELD: usize = 3;
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
 const MOVES: f64 = 8.0;
+/// And by this many of its errors elsewhere, in robust standard deviations: a model that errs as much tells nothing, and a plateau may be
+/// what it lacks, such as melting or a thermostat.
+const BEYOND_ERRORS: f64 = 4.0;
 /// Campaigns of which one has a stretch of steady phases that is taken for stuck, where the noise is as stated.
 const STUCK: f64 = 1e5;
 /// Largest resolution of a channel that may be stuck in steady phases, in standard deviations of its noise.
@@ -180,8 +183,8 @@ pub(crate) fn is_near_step(steps: &[usize], row: usize) -> bool {
     steps.get(next).is_some_and(|&step| step <= row + BEFORE_STEP)
 }
 
-/// Positions of readings in stretches of one value that are far longer than others of the channel, while the model moves: the
-/// channel froze, or was at the end of its range. Of each stretch the first reading may be right.
+/// Positions of readings in stretches of one value that are far longer than others of the channel, while the model moves, and by far
+/// more than it errs elsewhere: the channel froze, or was at the end of its range. Of each stretch the first reading may be right.
 pub fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let runs: Vec<(usize, usize)> = (readings.chunk_by(|a, b| a == b))
         .scan(0, |at, run| {
@@ -204,14 +207,17 @@ pub fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let whole_steps: Vec<f64> = held.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0).collect();
     let whole_step = if whole_steps.len() >= LEAST_HELD { median(whole_steps).unwrap_or(0.0) } else { 0.0 };
     let scale = median(differences).unwrap_or(0.0) + whole_step.max(if step.is_finite() { step } else { 0.0 });
+    let is_long = |run: &&(usize, usize)| run.1 as f64 >= least;
+    let others = runs.iter().filter(|run| !is_long(run)).flat_map(|&(first, length)| &errors[first..first + length]);
+    let usual_error = MEDIAN_TO_SD * median(others.map(|error| error.abs()).collect()).unwrap_or(f64::INFINITY);
     let moves = |&(first, length): &(usize, usize)| {
         let predicted = (first..first + length).map(|at| readings[at] - errors[at]);
         let ends = predicted.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, temperature| {
             [temperature.min(ends[0]), temperature.max(ends[1])]
         });
-        ends[1] - ends[0] > MOVES * scale
+        ends[1] - ends[0] > f64::max(MOVES * scale, BEYOND_ERRORS * usual_error)
     };
-    let is_frozen = |run: &&(usize, usize)| run.1 as f64 >= least && moves(run);
+    let is_frozen = |run: &&(usize, usize)| is_long(run) && moves(run);
     let frozen_rows: Vec<usize> =
         runs.iter().filter(is_frozen).flat_map(|&(first, length)| first + 1..first + length).collect();
     if frozen_rows.len() as f64 > MOST_FROZEN * readings.len() as f64 { Vec::new() } else { frozen_rows }

@@ -290,6 +290,9 @@ pub struct StoryStep {
     pub probability: f64,
     /// Errors before and after it, K.
     pub rmse_k: RmseChange,
+    /// Whether these are beside the later steps, as the effect shows only beside them; else beside the earlier ones.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub beside_later: bool,
     /// Ids of what else is likely at this step, most probable first.
     pub alternatives: Vec<String>,
 }

@@ -206,7 +206,8 @@ const CLEARLY_LARGER: f64 = 10.0;
 /// plausible anywhere.
 fn enlarged(dimension: Dimension, model: &Model) -> f64 {
     let of = |text: &str| Unit::parse(text).map(|unit| unit.dimension).ok();
-    let ratio = if Some(dimension) == of("J/K") {
+    // What melts is a part of what stores heat: the catalogue's is that of 100 K of an instrument's node.
+    let ratio = if ["J/K", "J"].into_iter().any(|stored| Some(dimension) == of(stored)) {
         model.size().capacity / MEANT_FOR_J_PER_K
     } else if ["W", "W/K", "W/K^1.25", "W/(K Pa)", "m2"].into_iter().any(|heat| Some(dimension) == of(heat)) {
         model.size().conductance / MEANT_FOR_W_PER_K

@@ -86,6 +86,20 @@ fn a_channel_that_freezes_is_found_and_a_coarse_one_at_rest_is_not() {
 }
 
 #[test]
+fn a_plateau_beside_a_model_that_errs_as_much_elsewhere_is_no_frozen_channel() {
+    // Something melts at 290 K for a third of the warm-up, in readings of 0.1 K; the model warms throughout.
+    let truth = |row: f64| 280.0 + if row < 100.0 { 0.1 * row } else { f64::max(10.0, 0.1 * (row - 100.0)) };
+    let readings: Vec<f64> = (0..300).map(|row| (truth(f64::from(row)) / 0.1).round() * 0.1).collect();
+    let against = |model: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        (0..).zip(&readings).map(|(row, reading)| reading - model(f64::from(row))).collect()
+    };
+    assert!(frozen(&against(&|row| 280.0 + 0.0667 * row), &readings).is_empty());
+    // A model that is right but there tells that the channel froze.
+    let right_elsewhere = |row: f64| truth(row) + if (100.0..200.0).contains(&row) { 0.1 * (row - 100.0) } else { 0.0 };
+    assert!(frozen(&against(&right_elsewhere), &readings).len() > 90);
+}
+
+#[test]
 fn a_channel_that_sticks_in_steady_phases_is_found_and_one_that_is_held_is_not() {
     let mut stream = StreamKey::new(6, "test", "stuck").stream(0);
     let truth: Vec<f64> = (0..16).map(|k| 280.0 + 20.0 * f64::from(k * 7 % 16) / 16.0).collect();

@@ -88,7 +88,7 @@ impl Findings<'_> {
     pub(super) fn steps_of_story(&self) -> Vec<StoryStep> {
         let Some(story) = &self.story else { return Vec::new() };
         let refits = &self.state.refits;
-        let result = |step: &Step| {
+        let result = |(step, &earlier): (&Step, &usize)| {
             let place = step.chosen.unwrap_or(step.before);
             let (before, after) = (&refits[step.before], &refits[place]);
             let added = step.additions.iter().find(|one| step.chosen == Some(one.place));
@@ -108,10 +108,11 @@ impl Findings<'_> {
                     train: [before.rmse_train_k, after.rmse_train_k],
                     held_out: [before.rmse_held_out_k, after.rmse_held_out_k],
                 },
+                beside_later: step.before != earlier,
                 alternatives: alternatives.into_iter().map(|effect| self.id(effect).to_owned()).collect(),
             }
         };
-        story.steps.iter().map(result).collect()
+        story.steps.iter().zip(&story.sets).map(result).collect()
     }
 }
 

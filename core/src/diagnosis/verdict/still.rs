@@ -50,8 +50,9 @@ pub(crate) fn warnings(problem: &Problem, baseline: &Refit) -> Vec<String> {
             let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));
             let [from, to] = still.rows.map(|row| table.times_s[row]);
             said.push(format!(
-                "sensor `{}` of `{}` reads {} {} without a change from {from} s to {to} s, while the model moves by {:.1} {}: was the channel \
-                 frozen, or at the end of its range? Empty its cells there, and diagnose again",
+                "sensor `{}` of `{}` reads {} {} without a change from {from} s to {to} s, while the model moves by {:.1} {}. If the channel \
+                 froze, or was at the end of its range, empty its cells there, and diagnose again; if something held the hardware, as \
+                 melting or a thermostat does, the model lacks that",
                 sensor.name,
                 measurement.name,
                 (shown(still.reading) * 1e6).round() / 1e6,

@@ -68,9 +68,10 @@ fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
 }
 
 /// What a step does to the errors, after a comma.
-fn falls_to(step: &StoryStep) -> String {
+pub fn falls_to(step: &StoryStep) -> String {
+    let beside = if step.beside_later { "beside the later steps " } else { "" };
     let held_out = fall(step.rmse_k.held_out).map_or_else(String::new, |fall| format!(", held out from {fall}"));
-    fall(step.rmse_k.train).map_or_else(String::new, |fall| format!("; the error falls from {fall}{held_out}"))
+    fall(step.rmse_k.train).map_or_else(String::new, |fall| format!("; {beside}the error falls from {fall}{held_out}"))
 }
 
 /// Why a story ends; `is_outweighed` says whether what would be next is more probable than nothing.

@@ -52,6 +52,19 @@ fn a_story_ends_for_want_of_probability_or_by_the_unseen_rows() {
     assert_eq!(ends(&step(Some("sensor-bias:x")), true), None);
 }
 
+#[test]
+fn errors_beside_later_steps_are_called_that() {
+    let words = |beside_later: bool| {
+        let rmse = serde_json::json!({"train": [1.3, 0.14], "held_out": [null, null]});
+        let whole = serde_json::json!({
+            "effect": "heat-load:x", "probability": 0.2, "rmse_k": rmse, "beside_later": beside_later, "alternatives": []
+        });
+        falls_to(&serde_json::from_value(whole).expect("a step"))
+    };
+    assert_eq!(words(false), "; the error falls from 1.30 to 0.14 K");
+    assert_eq!(words(true), "; beside the later steps the error falls from 1.30 to 0.14 K");
+}
+
 /// A star in a steady test, and its effects at their places.
 pub fn star() -> Problem {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
