@@ -35,7 +35,7 @@ const AT_FIRST: f64 = 0.3;
 const MOST_AGAIN: usize = 20;
 /// Effects of a set beside which a model error is estimated.
 const MOST_BESIDE: usize = 2;
-/// Laws of groups and of single nodes that are fitted whatever their linearisation says.
+/// Laws of groups and of single nodes, and laws of elements, that are fitted whatever their linearisation says.
 const MOST_PLAIN_LAWS: usize = 32;
 /// Log odds by which an effect of several inputs stands behind one of one input, for each further input.
 const FURTHER_INPUT: f64 = 1.1;
@@ -193,8 +193,8 @@ impl Diagnosis {
         Ok(Some(next))
     }
 
-    /// Orders the laws of whole groups, of no input before those of one, and in a small network those of single nodes: about a
-    /// fit that a strong effect has distorted their linearisation tells little.
+    /// Orders the laws of whole groups, of no input before those of one, and in a small network those of single nodes and elements: about
+    /// a fit that a strong effect has distorted their linearisation tells little.
     pub(crate) fn order_plain_laws(&self, problem: &Problem, state: &mut State) {
         let candidates = &self.problem().candidates;
         let inputs =
@@ -205,7 +205,8 @@ impl Diagnosis {
         };
         let mut wanted: Vec<usize> =
             (0..candidates.len()).filter(is_law).filter(|&place| candidates[place].is_group()).collect();
-        wanted.sort_by_key(|&place| inputs(place));
+        // What a group melts at is no input: without a start there its linearisation tells nothing at all.
+        wanted.sort_by_key(|&place| candidates[place].bound.len());
         wanted.truncate(MOST_PLAIN_LAWS);
         let at_node =
             |&place: &usize| !candidates[place].is_group() && matches!(candidates[place].site, Site::Nodes(_));
@@ -216,6 +217,11 @@ impl Diagnosis {
                 break;
             }
             wanted.extend(of_nodes);
+        }
+        let at_element = |&place: &usize| matches!(candidates[place].site, Site::Elements(_)) && inputs(place) == 0;
+        let of_elements: Vec<usize> = (0..candidates.len()).filter(is_law).filter(at_element).collect();
+        if of_elements.len() <= MOST_PLAIN_LAWS {
+            wanted.extend(of_elements);
         }
         for candidate in wanted {
             if state.is_known(&[candidate]) {

@@ -122,6 +122,8 @@ pub enum Precedence {
     ModelError,
     /// Held-out readings speak against the other.
     HeldOut,
+    /// The fitted readings speak against the other.
+    Fitted,
     /// It is a law, the other an unknown function.
     Law,
     /// It acts on a group, the other at a single place.

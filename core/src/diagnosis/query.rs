@@ -15,6 +15,9 @@ impl EffectResult {
     }
 }
 
+/// Least difference of two probabilities that their percentages show.
+const SHOWN: f64 = 1e-3;
+
 impl Output {
     /// An effect by its id.
     pub fn effect(&self, id: &str) -> Option<&EffectResult> {
@@ -27,7 +30,8 @@ impl Output {
             other.group.is_some() && other.group == own.group && !self.selected.contains(&other.id)
         };
         let rivals = self.effects.iter().filter(is_rival);
-        let mut rivals: Vec<&EffectResult> = rivals.filter(|other| other.probability > own.probability).collect();
+        let is_more = |other: &&EffectResult| other.probability - own.probability >= SHOWN;
+        let mut rivals: Vec<&EffectResult> = rivals.filter(is_more).collect();
         rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         rivals
     }

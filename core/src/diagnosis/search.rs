@@ -133,12 +133,13 @@ impl Diagnosis {
                 return next;
             }
             self.order_parts(&mut state, place);
-            if place > 0 && !state.was_extended(place) {
-                let mut screened = self.screen_around(&problem, &state, place);
-                self.extend_set(&problem, &mut state, place, &mut screened);
-                self.order_like(&mut state, place);
-                self.order_best_unseen(&mut state, place);
-                self.replace_members(&problem, &mut state, place, &mut screened);
+            self.extend_step(&problem, &mut state, place);
+            // A larger set from another beginning has an advantage until this one is extended too.
+            let end = state.refits[place].effects.clone();
+            if let Some(own) =
+                story.beginning.filter(|&own| !state.refits[own].effects.iter().all(|one| end.contains(one)))
+            {
+                self.extend_step(&problem, &mut state, own);
             }
             return state;
         }
@@ -165,6 +166,17 @@ impl Diagnosis {
             self.replace_members(&problem, &mut state, place, &mut screened);
         }
         state
+    }
+
+    /// Orders what goes on from a set of a story, where that was not done.
+    fn extend_step(&self, problem: &Problem, state: &mut State, place: usize) {
+        if place > 0 && !state.was_extended(place) {
+            let mut screened = self.screen_around(problem, state, place);
+            self.extend_set(problem, state, place, &mut screened);
+            self.order_like(state, place);
+            self.order_best_unseen(state, place);
+            self.replace_members(problem, state, place, &mut screened);
+        }
     }
 
     /// Screens what a set leaves, and what it leaves without each of its members where that is not known.

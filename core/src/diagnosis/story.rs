@@ -24,6 +24,24 @@ const IMPLAUSIBLE: f64 = 1.0;
 /// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
 const MINOR_SHARE: f64 = 0.2;
 
+/// Log Bayes factor on the fitted rows, downwards, from which they speak against an effect; less is not worth more than a bare mention
+/// (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773).
+const SPEAKS_AGAINST: f64 = -1.0;
+
+/// What the sets of a state weigh, in logarithms: posterior weights with what unseen rows say, for which it stands, and evidences.
+struct Logs {
+    weights: Vec<f64>,
+    evidences: Vec<f64>,
+}
+
+impl std::ops::Deref for Logs {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        &self.weights
+    }
+}
+
 /// What may be added at a step.
 #[derive(Clone, Debug)]
 pub(crate) struct Addition {
@@ -61,14 +79,26 @@ pub(crate) struct Story {
     pub log_evidences: Vec<f64>,
     /// Log likelihoods of all sets by blocks of the fitted and the held-out readings, where a verdict asks for them.
     pub of_blocks: Vec<Vec<f64>>,
-    /// Effects that are no part of it, though more probable than nothing at a step: the unseen rows speak against them.
+    /// Effects that are no part of it, though more probable than nothing at a step: the unseen rows speak against them, or the
+    /// fitted ones.
     pub refused: BTreeSet<usize>,
+    /// Position of the set of the effect that goes first by itself; another beginning may lead further.
+    pub beginning: Option<usize>,
 }
 
 impl Story {
     /// The set to which it leads.
     pub fn end(&self) -> usize {
         self.sets.last().copied().unwrap_or(0)
+    }
+
+    /// What a set gains over another.
+    pub fn gain(&self, state: &State, before: usize, after: usize) -> Gain {
+        Gain {
+            log_odds: self.logs[after] - self.logs[before],
+            fitted: self.log_evidences[after] - self.log_evidences[before],
+            unseen: unseen(&state.refits[before], &state.refits[after]),
+        }
     }
 
     /// Whether it finds no law, or begins with one that has to be a hundred times as large as is plausible.
@@ -178,25 +208,53 @@ pub enum AskedOfUnseen {
     FallUnlessClear,
 }
 
-/// Whether an effect pays that gains so much in log odds, and with which the errors on unseen rows go from the first to the second. The
-/// first effect must not let them rise; of a further one more is asked, as what it gains may be errors of the model.
-pub fn pays_by(gain: f64, errors: [Option<f64>; 2], is_first: bool, asked: AskedOfUnseen) -> bool {
-    let may_stay = is_first || asked == AskedOfUnseen::FallUnlessClear && gain > CLEARLY;
-    gain > 0.0 && if may_stay { !rises(errors) } else { falls(errors) }
+/// What an effect gains at a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Gain {
+    /// In log odds, with what the unseen rows say.
+    pub log_odds: f64,
+    /// Log Bayes factor on the fitted rows.
+    pub fitted: f64,
+    /// Errors on unseen rows without it and with it.
+    pub unseen: [Option<f64>; 2],
 }
 
-/// Whether a set that adds an effect to another is more probable, and the unseen rows do not speak against it.
-fn pays(state: &State, logs: &[f64], at: usize, place: usize, asked: AskedOfUnseen) -> bool {
-    let own = &state.refits[at];
-    pays_by(logs[place] - logs[at], unseen(own, &state.refits[place]), own.effects.is_empty(), asked)
+impl Gain {
+    /// Whether the fitted rows speak against it.
+    pub fn is_against_fitted(self) -> bool {
+        self.fitted < SPEAKS_AGAINST
+    }
+}
+
+/// Whether an effect pays. The first effect must not let the errors on unseen rows rise; of a further one more is asked, as what it
+/// gains may be errors of the model, and the fitted rows must not speak against it.
+pub fn pays_by(gain: Gain, is_first: bool, asked: AskedOfUnseen) -> bool {
+    let may_stay = is_first || asked == AskedOfUnseen::FallUnlessClear && gain.log_odds > CLEARLY;
+    gain.log_odds > 0.0
+        && (is_first || !gain.is_against_fitted())
+        && if may_stay { !rises(gain.unseen) } else { falls(gain.unseen) }
+}
+
+/// What a set gains over another.
+fn gain(state: &State, logs: &Logs, at: usize, place: usize) -> Gain {
+    Gain {
+        log_odds: logs[place] - logs[at],
+        fitted: logs.evidences[place] - logs.evidences[at],
+        unseen: unseen(&state.refits[at], &state.refits[place]),
+    }
+}
+
+/// Whether a set that adds an effect to another is more probable, and neither unseen nor fitted rows speak against it.
+fn pays(state: &State, logs: &Logs, at: usize, place: usize, asked: AskedOfUnseen) -> bool {
+    pays_by(gain(state, logs, at, place), state.refits[at].effects.is_empty(), asked)
 }
 
 /// Effects that a story leaves out although they are more probable than nothing at a step.
-fn refused(state: &State, story: &Story) -> BTreeSet<usize> {
+fn refused(state: &State, logs: &Logs, story: &Story) -> BTreeSet<usize> {
     let own = &state.refits[story.end()].effects;
     let is_refused = |step: &Step, one: &Addition| {
-        story.logs[one.place] > story.logs[step.before]
-            && !pays(state, &story.logs, step.before, one.place, AskedOfUnseen::FallUnlessClear)
+        logs[one.place] > logs[step.before]
+            && !pays(state, logs, step.before, one.place, AskedOfUnseen::FallUnlessClear)
     };
     let of_step = |step: &Step| -> Vec<usize> {
         step.additions.iter().filter(|one| is_refused(step, one)).map(|one| one.effect).collect()
@@ -233,8 +291,10 @@ impl Diagnosis {
         let unseen = self.independent_unseen(state);
         let (log_evidences, weights) = self.log_weights_of_story(state);
         let seen = weights.into_iter().zip(&state.refits);
-        let logs: Vec<f64> = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
-        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.clone(), ..Story::default() };
+        let weights = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
+        let logs = Logs { weights, evidences: log_evidences };
+        let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.to_vec(), ..Story::default() };
+        let beginning = self.step(state, &logs, 0, AskedOfUnseen::Fall).chosen;
         let mut at = 0;
         while (state.refits[at].effects.len() as u64) < self.settings().most {
             let mut step = self.step(state, &logs, at, AskedOfUnseen::Fall);
@@ -264,18 +324,23 @@ impl Diagnosis {
         }
         let ordered = self.largest_first(state, &logs, story);
         let story = self.until_contradicted(state, &logs, ordered);
-        let refused = refused(state, &story);
-        Story { log_evidences, refused, ..story }
+        let refused = refused(state, &logs, &story);
+        Story { log_evidences: logs.evidences, refused, beginning, ..story }
     }
 
     /// The steps before the first whose effect is far less probable than another that fails on the unseen rows: it would follow
     /// errors of the model.
-    fn until_contradicted(&self, state: &State, logs: &[f64], mut story: Story) -> Story {
+    fn until_contradicted(&self, state: &State, logs: &Logs, mut story: Story) -> Story {
         let is_contradicted = |step: &Step| {
-            let weighed = |one: &Addition| Weighed {
-                probability: one.probability,
-                is_curve: self.is_unknown_function(one.effect),
-                pays: pays(state, logs, step.before, one.place, AskedOfUnseen::FallUnlessClear),
+            let is_first = state.refits[step.before].effects.is_empty();
+            let weighed = |one: &Addition| {
+                // What the fitted rows want less contradicts nothing.
+                let unseen = Gain { fitted: 0.0, ..gain(state, logs, step.before, one.place) };
+                Weighed {
+                    probability: one.probability,
+                    is_curve: self.is_unknown_function(one.effect),
+                    pays: pays_by(unseen, is_first, AskedOfUnseen::FallUnlessClear),
+                }
             };
             let own = step.additions.iter().find(|one| step.chosen == Some(one.place));
             own.is_some_and(|own| weighed(own).is_contradicted(step.additions.iter().map(weighed)))
@@ -293,7 +358,7 @@ impl Diagnosis {
     /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole
     /// surface goes before single places that explain clearly more only, one of plausible size before one of a hundred times
     /// that which explains hardly more.
-    fn largest_first(&self, state: &State, logs: &[f64], story: Story) -> Story {
+    fn largest_first(&self, state: &State, logs: &Logs, story: Story) -> Story {
         let end = story.end();
         let weight = |at: usize, place: usize| {
             let own = &state.refits[at].effects;
@@ -337,12 +402,12 @@ impl Diagnosis {
     }
 
     /// What may be added to a set, and what is.
-    fn step(&self, state: &State, logs: &[f64], at: usize, asked: AskedOfUnseen) -> Step {
+    fn step(&self, state: &State, logs: &Logs, at: usize, asked: AskedOfUnseen) -> Step {
         self.step_to(state, logs, at, asked, None)
     }
 
     /// The same; where a next set is given, the step leads to that set, whatever would be added otherwise.
-    fn step_to(&self, state: &State, logs: &[f64], at: usize, asked: AskedOfUnseen, next_set: Option<usize>) -> Step {
+    fn step_to(&self, state: &State, logs: &Logs, at: usize, asked: AskedOfUnseen, next_set: Option<usize>) -> Step {
         let next: Vec<(usize, usize)> = (0..logs.len())
             .filter_map(|place| Some((added(state, at, place)?, place)))
             .filter(|one| logs[one.1].is_finite())
@@ -438,7 +503,7 @@ impl Diagnosis {
     /// place of an earlier one, and the step of that one. The other explained as much when that one was added, or that one is a minor
     /// member beside what was added since. A larger set has to be clearly more probable, and to err less on unseen rows; the other
     /// then has to pay alone.
-    fn exchange(&self, state: &State, logs: &[f64], story: &Story, more: usize) -> Option<(usize, usize)> {
+    fn exchange(&self, state: &State, logs: &Logs, story: &Story, more: usize) -> Option<(usize, usize)> {
         let end = *story.sets.last()?;
         let members = &state.refits[end].effects;
         let gains: Vec<f64> = members.iter().map(|&member| self.gain_of(state, logs, end, member)).collect();
@@ -483,7 +548,7 @@ impl Diagnosis {
     }
 
     /// The story that leads to a set along others, as far as these were fitted.
-    fn along(&self, state: &State, logs: &[f64], mut sets: Vec<usize>, end: usize) -> Story {
+    fn along(&self, state: &State, logs: &Logs, mut sets: Vec<usize>, end: usize) -> Story {
         while let Some(&at) = sets.last()
             && state.refits[at].effects.len() < state.refits[end].effects.len()
         {
@@ -503,7 +568,7 @@ impl Diagnosis {
     }
 
     /// The step to a set by the effect that another step added, as if that had come last.
-    fn last_of(&self, state: &State, logs: &[f64], pair: &[usize], end: usize) -> Option<Step> {
+    fn last_of(&self, state: &State, logs: &Logs, pair: &[usize], end: usize) -> Option<Step> {
         let added = state.refits[pair[1]].effects.iter().find(|one| !state.refits[pair[0]].effects.contains(one))?;
         let rest: Vec<usize> = state.refits[end].effects.iter().copied().filter(|one| one != added).collect();
         let before = state.refits.iter().position(|refit| refit.effects == rest)?;

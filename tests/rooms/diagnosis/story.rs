@@ -2,7 +2,7 @@
 
 use bmv::diagnosis::story::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::{
-    LawOfStep, Weighed, curve_goes_first, falls, least_lead, pays_by, rises, serves_as_well, whole_surface_first,
+    Gain, LawOfStep, Weighed, curve_goes_first, falls, least_lead, pays_by, rises, serves_as_well, whole_surface_first,
 };
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
@@ -34,10 +34,22 @@ fn errors_on_unseen_rows_rise_and_fall_by_more_than_a_twentieth() {
 #[test]
 fn a_further_effect_pays_where_the_unseen_error_falls_or_its_gain_is_clear() {
     let [same, lower, higher] = [1.01, 0.9, 1.06].map(|after| [Some(1.0), Some(after)]);
-    assert!(pays_by(0.1, same, true, Fall) && !pays_by(0.1, higher, true, Fall) && !pays_by(-0.1, lower, true, Fall));
-    assert!(!pays_by(11.0, same, false, Fall) && pays_by(0.1, lower, false, Fall));
-    assert!(pays_by(11.0, same, false, FallUnlessClear) && !pays_by(9.0, same, false, FallUnlessClear));
-    assert!(!pays_by(11.0, higher, false, FallUnlessClear) && pays_by(0.1, lower, false, FallUnlessClear));
+    let pays = |log_odds: f64, unseen: [Option<f64>; 2], is_first, asked| {
+        pays_by(Gain { log_odds, fitted: 0.0, unseen }, is_first, asked)
+    };
+    assert!(pays(0.1, same, true, Fall) && !pays(0.1, higher, true, Fall) && !pays(-0.1, lower, true, Fall));
+    assert!(!pays(11.0, same, false, Fall) && pays(0.1, lower, false, Fall));
+    assert!(pays(11.0, same, false, FallUnlessClear) && !pays(9.0, same, false, FallUnlessClear));
+    assert!(!pays(11.0, higher, false, FallUnlessClear) && pays(0.1, lower, false, FallUnlessClear));
+}
+
+/// Held-out rows may choose a further effect where the fitted rows are indifferent, by less than 1 in their log Bayes factor, not
+/// against them; the first effect may be what they show alone.
+#[test]
+fn a_further_effect_does_not_pay_where_the_fitted_rows_speak_against_it() {
+    let by = |fitted: f64| Gain { log_odds: 5.0, fitted, unseen: [Some(1.0), Some(0.7)] };
+    assert!(pays_by(by(-0.9), false, Fall) && !pays_by(by(-1.1), false, Fall));
+    assert!(!pays_by(by(-1.1), false, FallUnlessClear) && pays_by(by(-1.1), true, Fall));
 }
 
 /// Ten times as probable, and the unseen rows speak against it.

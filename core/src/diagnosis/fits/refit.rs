@@ -120,6 +120,8 @@ const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
 /// Log evidence that a curve with a wider prior may lack beside the model error that is allowed for. Where it halves the errors, the
 /// model error that is left adds `n (ln 2 - 3/8)`: 10 where a record is worth 30 readings.
 const MAY_LACK: f64 = 6.0;
+/// Standard deviations of a size below which it is none.
+const IS_NOTHING: f64 = 1e-6;
 /// Times the usual local error of a step where a fit only begins: some millikelvins.
 pub(crate) const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
 
@@ -402,11 +404,11 @@ impl Refit {
         self.names.iter().cloned().zip(self.unknowns.iter().copied()).collect()
     }
 
-    /// Whether an effect of the set does nothing: a bound holds its first parameter at 0.
+    /// Whether an effect of the set does nothing: its first parameter is 0, or too little to matter.
     pub fn does_nothing(&self, effect: usize) -> bool {
         let position = self.effects.iter().position(|&fitted_effect| fitted_effect == effect);
         let first = position.and_then(|position| self.amplitudes[position].first());
-        first.is_some_and(|amplitude| amplitude.at_bound && amplitude.mode == 0.0)
+        first.is_some_and(|amplitude| amplitude.mode.abs() <= IS_NOTHING * amplitude.sd)
     }
 
     /// Predicts all rows at the fit and scores them.

@@ -139,7 +139,11 @@ impl Findings<'_> {
                     };
                     // Curves come after laws.
                     let (one, other) = (members[group], effect);
-                    if (is_unknown(other) && !is_unknown(one)) || is_behind(other, one) {
+                    // What changes nothing explains nothing.
+                    if (is_unknown(other) && !is_unknown(one))
+                        || is_behind(other, one)
+                        || refits[place].does_nothing(other)
+                    {
                         continue;
                     }
                     let lag = logs[best] - logs[place];

@@ -15,6 +15,7 @@ impl Precedence {
                 "the readings want it more, but a larger share of its probability is given to errors of the model"
             }
             Self::HeldOut => "held-out readings speak against the other",
+            Self::Fitted => "the fitted readings speak against the other",
             Self::Law => "a law goes before an unknown function that does not clearly explain more",
             Self::Group => "what acts on a whole group goes before a single place that does not clearly explain more",
             Self::Size => "the other would have to be a hundred times as large as is plausible",
@@ -97,10 +98,11 @@ impl Findings<'_> {
         let (own, rival) = (of(effect)?, of(other));
         if let Some(rival) = rival.filter(|rival| rival.probability > own.probability) {
             let [before, after] = [step.before, rival.place].map(|place| &refits[place]);
-            let gain = story.logs[rival.place] - story.logs[step.before];
-            let errors = [before.rmse_held_out_k, after.rmse_held_out_k];
-            if gain > 0.0 && !pays_by(gain, errors, before.effects.is_empty(), AskedOfUnseen::FallUnlessClear) {
-                return Some(Precedence::HeldOut);
+            let gain = story.gain(self.state, step.before, rival.place);
+            let is_first = before.effects.is_empty();
+            if gain.log_odds > 0.0 && !pays_by(gain, is_first, AskedOfUnseen::FallUnlessClear) {
+                let by_fitted = !is_first && gain.is_against_fitted();
+                return Some(if by_fitted { Precedence::Fitted } else { Precedence::HeldOut });
             }
             let is_curve = |effect: usize| self.problem.is_unknown_function(effect);
             if is_curve(other) && !is_curve(effect) {

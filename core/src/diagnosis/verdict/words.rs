@@ -20,6 +20,8 @@ use crate::effect::Effect;
 
 /// Share of the model error that is allowed for below which what remains beside all steps is stated too.
 const CLEARLY_LESS: f64 = 0.8;
+/// Share of the instruments' noise below which a model error cannot be seen.
+const HIDDEN: f64 = 0.1;
 
 /// p at which a test is clear.
 const CLEARLY: f64 = 1e-6;
@@ -74,15 +76,29 @@ pub fn falls_to(step: &StoryStep) -> String {
     fall(step.rmse_k.train).map_or_else(String::new, |fall| format!("; {beside}the error falls from {fall}{held_out}"))
 }
 
-/// Why a story ends; `is_outweighed` says whether what would be next is more probable than nothing.
-pub fn ends(step: &StoryStep, is_outweighed: bool) -> Option<String> {
+/// What speaks against a next step that is more probable than nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Against {
+    /// The unseen rows.
+    Unseen,
+    /// The fitted rows.
+    Fitted,
+}
+
+/// Why a story ends; `against` says what speaks against that which would be next, where it is more probable than nothing.
+pub fn ends(step: &StoryStep, against: Option<Against>) -> Option<String> {
     if step.effect.is_some() {
         return None;
     }
-    if let Some(next) = step.alternatives.first().filter(|_| is_outweighed) {
-        return Some(format!(
-            "No further step is taken: {next} would be more probable than nothing on the fitted rows, but the unseen rows are not predicted better with it."
-        ));
+    if let (Some(next), Some(against)) = (step.alternatives.first(), against) {
+        return Some(match against {
+            Against::Unseen => format!(
+                "No further step is taken: {next} would be more probable than nothing on the fitted rows, but the unseen rows are not predicted better with it."
+            ),
+            Against::Fitted => format!(
+                "No further step is taken: {next} would predict the unseen rows better, but the fitted rows speak against it."
+            ),
+        });
     }
     let next = step.alternatives.first().map_or_else(String::new, |next| format!(" The next would be {next}."));
     Some(format!(
@@ -148,6 +164,9 @@ fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
         "Since such errors are nearly the same in many successive readings, one reading has only the weight of an independent one with an error of {counts_as} K: that is a weight, not the noise of an instrument.{part}"
     );
     Some(match left.filter(|left| *left < CLEARLY_LESS * worst.0) {
+        Some(left) if left < HIDDEN * worst.1 => format!(
+            "Each step was weighed with the model error beside the most probable one or two effects, {sd} K; beside all that is found none remains that the instruments' noise of {noise} K would not hide. {alike}"
+        ),
         Some(left) => format!(
             "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise} K. Each step was weighed with the model error beside the most probable one or two effects, {sd} K. {alike}",
             short(left, 2)
@@ -241,8 +260,12 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 )
             });
             if findings.doubted {
+                let but = match misfit.family_wise_p <= false_alarm {
+                    true => "The tests find a misfit, but no effect is probable enough to explain it",
+                    false => "No effect is probable enough to be named",
+                };
                 words.push(format!(
-                    "The tests find a misfit, but no effect is probable enough to explain it: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",
+                    "{but}: that nothing is missing keeps a probability of {}. More data, or stated noise, would decide it.",
                     percent(output.probability_nothing)
                 ));
             }
@@ -313,10 +336,13 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     precedence::in_words(output, effect)
                 ));
             }
-            let last = findings.story.as_ref().and_then(|story| story.steps.last());
-            let is_outweighed =
-                last.is_some_and(|last| last.additions.first().is_some_and(|next| next.probability > last.stays));
-            words.extend(output.steps.last().and_then(|step| ends(step, is_outweighed)));
+            let against = findings.story.as_ref().and_then(|story| {
+                let last = story.steps.last()?;
+                let next = last.additions.first().filter(|next| next.probability > last.stays)?;
+                let gain = story.gain(findings.state, last.before, next.place);
+                Some(if gain.is_against_fitted() { Against::Fitted } else { Against::Unseen })
+            });
+            words.extend(output.steps.last().and_then(|step| ends(step, against)));
             for effect in &selected {
                 words.extend(law(output, effect, findings.problem));
                 words.extend(effect.hints.iter().map(|hint| format!("{}: {}", effect.id, lower(hint))));

@@ -198,10 +198,14 @@ fn steps(output: &Output) -> Vec<Statement> {
         let beside = if step.beside_later { ", beside the later steps" } else { "" };
         let text = Text::default().code(id.as_str()).plain(format!(", probability {}. ", chance(step.probability)));
         let (value, fell, text) = match held_out {
-            Some((value, fell)) => {
-                (value, fell, text.plain(format!("RMSE on held-out readings{beside}; on those of the fit {}.", train.0)))
+            Some((value, fell)) => (
+                value,
+                fell,
+                text.plain(format!("RMSE on held-out readings{beside}; on those of the fit {}.", train.0)),
+            ),
+            None => {
+                (train.0, train.1, text.plain(format!("RMSE on the readings of the fit{beside}; none is held out.")))
             }
-            None => (train.0, train.1, text.plain(format!("RMSE on the readings of the fit{beside}; none is held out."))),
         };
         let is_last = position + 1 == added.len().min(MOST_STEPS);
         let text = match added.len() - added.len().min(MOST_STEPS) {

@@ -39,17 +39,19 @@ pub fn effect(most_probable: f64) -> EffectResult {
 
 /// Unseen rows are the reason only where the next effect is more probable than nothing: many weak ones together may be so too.
 #[test]
-fn a_story_ends_for_want_of_probability_or_by_the_unseen_rows() {
+fn a_story_ends_for_want_of_probability_or_by_what_speaks_against_the_next_step() {
     let rmse = serde_json::json!({"train": [0.9, 0.9], "held_out": [0.9, 0.9]});
     let step = |effect: Option<&str>| -> StoryStep {
         let whole =
             serde_json::json!({"effect": effect, "probability": 0.2, "rmse_k": rmse, "alternatives": ["heat-load:x"]});
         serde_json::from_value(whole).expect("a step")
     };
-    let of = |is_outweighed: bool| ends(&step(None), is_outweighed).expect("an end");
-    assert!(of(true).contains("heat-load:x would be more probable than nothing"), "{}", of(true));
-    assert!(of(false).contains("probability of 20.0 %") && !of(false).contains("unseen"), "{}", of(false));
-    assert_eq!(ends(&step(Some("sensor-bias:x")), true), None);
+    let of = |against: Option<Against>| ends(&step(None), against).expect("an end");
+    let [by_unseen, by_fitted] = [Against::Unseen, Against::Fitted].map(|against| of(Some(against)));
+    assert!(by_unseen.contains("heat-load:x would be more probable than nothing"), "{by_unseen}");
+    assert!(by_fitted.contains("but the fitted rows speak against it"), "{by_fitted}");
+    assert!(of(None).contains("probability of 20.0 %") && !of(None).contains("unseen"), "{}", of(None));
+    assert_eq!(ends(&step(Some("sensor-bias:x")), Some(Against::Unseen)), None);
 }
 
 #[test]
