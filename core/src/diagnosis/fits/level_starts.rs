@@ -9,7 +9,7 @@ use crate::effect::{EffectParameter, Like};
 use crate::inference::target::{LeastSquares, Target};
 
 /// Sizes that are tried, in plausible ones.
-const SHARES_OF_SIZE: [f64; 3] = [1.0, 0.3, 0.1];
+const SHARES_OF_SIZE: [f64; 3] = [1.0, 0.1, 0.01];
 /// Starts from which the effect is fitted.
 const STARTS: usize = 2;
 
