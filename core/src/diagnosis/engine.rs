@@ -147,6 +147,9 @@ pub struct State {
     pub pending: Vec<FitRequest>,
     /// What sets leave.
     pub remainders: Vec<Remainder>,
+    /// Sets from whose levels their members were fitted alone.
+    #[serde(default)]
+    pub at_levels: Vec<Vec<usize>>,
     /// Effects that cannot be fitted alone, and why; the state is stored, so reasons are texts here.
     #[serde(default)]
     pub failed: Vec<(usize, String)>,
@@ -418,6 +421,7 @@ impl Diagnosis {
             refits: vec![baseline],
             pending: Vec::new(),
             remainders,
+            at_levels: Vec::new(),
             failed: Vec::new(),
             left_out: Vec::new(),
             excursions: Vec::new(),

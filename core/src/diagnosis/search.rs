@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::engine::{Diagnosis, Remainder, SINGLES, State};
 use crate::diagnosis::fits::exchange::exchanges;
+use crate::diagnosis::fits::refit::Amplitude;
 use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::odds::posterior_odds::{best, log_posterior_weights, posterior_odds};
 use crate::diagnosis::screening::screen::{Lead, Screening};
@@ -30,6 +31,8 @@ const MOST_PROBABLE: usize = 8;
 const MOST_PARTED: usize = 4;
 /// Laws that predict unseen rows best that are fitted beside a set that is extended.
 const MOST_BEST_UNSEEN: usize = 3;
+/// Standard deviations by which levels of a member in two sets are others.
+const OTHER_LEVEL: f64 = 5.0;
 /// Exchanges of channels that are fitted beside a set that is extended.
 const EXCHANGES_BESIDE: usize = 2;
 
@@ -341,7 +344,40 @@ impl Diagnosis {
                 let part: Vec<usize> = (0..effects.len()).filter(is_in).map(|position| effects[position]).collect();
                 state.order(&[], &part, whole);
             }
+            self.order_at_levels(state, whole);
         }
+    }
+
+    /// Orders members of a set once more alone where they were fitted at other levels than in the set, such as another temperature of
+    /// melting: no slope leads from one level to the next.
+    fn order_at_levels(&self, state: &mut State, whole: usize) {
+        let effects = state.refits[whole].effects.clone();
+        if effects.len() < 2 || state.at_levels.contains(&effects) {
+            return;
+        }
+        for (position, &effect) in effects.iter().enumerate() {
+            let alone = state.refits.iter().find(|refit| refit.effects == [effect]);
+            let is_elsewhere = alone.is_some_and(|alone| {
+                let pairs = alone.amplitudes[0].iter().zip(&state.refits[whole].amplitudes[position]);
+                let apart = |(own, other): (&Amplitude, &Amplitude)| {
+                    (own.mode - other.mode).abs() > OTHER_LEVEL * own.sd.max(other.sd)
+                };
+                pairs.zip(self.are_amplitudes(effect)).any(|(pair, is_amplitude)| !is_amplitude && apart(pair))
+            });
+            if is_elsewhere {
+                state.order_again(vec![effect], whole);
+            }
+        }
+        state.at_levels.push(effects);
+    }
+
+    /// Which parameters of an effect are amplitudes, in the order of its file.
+    fn are_amplitudes(&self, effect: usize) -> Vec<bool> {
+        let problem = self.problem();
+        let candidate = &problem.candidates[effect];
+        let file = problem.catalogue.get(&candidate.effect);
+        let parameters = file.map(|file| file.parameters(&problem.model, &candidate.bound)).unwrap_or_default();
+        parameters.iter().map(|parameter| parameter.amplitude).collect()
     }
 
     /// Orders probable sets without each of their members, where these were not fitted: what a member explains is known beside

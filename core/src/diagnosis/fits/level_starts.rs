@@ -10,13 +10,13 @@ use crate::inference::target::{LeastSquares, Target};
 
 /// Sizes that are tried, in plausible ones.
 const SHARES_OF_SIZE: [f64; 3] = [1.0, 0.1, 0.01];
-/// Starts from which the effect is fitted.
-const STARTS: usize = 2;
+/// Starts from which the effect is fitted, each at a level of its own.
+const STARTS: usize = 3;
 
 impl Problem {
     /// Where the fit of an effect begins that is about a level of its nodes' own temperature: far from the level nothing leads there.
-    /// Those levels between the nodes' readings, with the whole plausible size and with a part of it, that err least beside the
-    /// baseline model's fit; none where there is no such level.
+    /// Those levels between the nodes' readings that err least beside the baseline model's fit, each with the plausible size or that
+    /// part of it that errs least; none where there is no such level.
     pub(crate) fn starts_at_levels(&self, baseline: &Refit, candidate: usize) -> Vec<BTreeMap<String, f64>> {
         let own = &self.candidates[candidate];
         let Some(effect) = self.catalogue.get(&own.effect) else { return Vec::new() };
@@ -32,17 +32,17 @@ impl Problem {
         let mut residuals = vec![0.0; likelihood.residual_count()];
         let mut tried: Vec<(f64, BTreeMap<String, f64>)> = Vec::new();
         for value in thresholds(self, own, effect, level).unwrap_or_default() {
-            for share in SHARES_OF_SIZE {
+            let at_level = SHARES_OF_SIZE.into_iter().filter_map(|share| {
                 let mut start = baseline.by_name();
                 for parameter in &parameters {
                     let size = if parameter.amplitude { share * parameter.nominal } else { parameter.nominal };
                     start.insert(format!("{}.{}", own.id, parameter.name), size);
                 }
                 start.insert(format!("{}.{}", own.id, level.name), value);
-                if likelihood.residuals(&place(&likelihood, &start), &mut memory, &mut residuals).is_ok() {
-                    tried.push((residuals.iter().map(|residual| residual * residual).sum(), start));
-                }
-            }
+                likelihood.residuals(&place(&likelihood, &start), &mut memory, &mut residuals).ok()?;
+                Some((residuals.iter().map(|residual| residual * residual).sum::<f64>(), start))
+            });
+            tried.extend(at_level.reduce(|a, b| if b.0 < a.0 { b } else { a }));
         }
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
         tried.into_iter().take(STARTS).map(|(_, start)| start).collect()
