@@ -30,6 +30,8 @@ use crate::random::StreamKey;
 pub(crate) const SINGLES: usize = 30;
 /// Pairs that are fitted at first.
 const PAIRS: usize = 30;
+/// Failures from which a set is not ordered again: another start may lead to a fit, but not every time.
+const MOST_FAILURES: usize = 3;
 /// Single effects, and pairs, that are fitted before the noise of transients is estimated beside the best of them.
 const PILOTS: usize = 8;
 /// Most exchanges of channels that are fitted whatever their linearisation says.
@@ -150,6 +152,9 @@ pub struct State {
     /// Sets from whose levels their members were fitted alone.
     #[serde(default)]
     pub at_levels: Vec<Vec<usize>>,
+    /// Sets that could not be fitted, each as often as that was tried.
+    #[serde(default)]
+    pub unfitted: Vec<Vec<usize>>,
     /// Effects that cannot be fitted alone, and why; the state is stored, so reasons are texts here.
     #[serde(default)]
     pub failed: Vec<(usize, String)>,
@@ -185,6 +190,7 @@ impl State {
                     }
                 }
                 Err(why) => {
+                    self.unfitted.push(request.effects.clone());
                     // A set of several is one of many that were tried.
                     if let [effect] = request.effects[..] {
                         self.failed.push((effect, why.reason.clone()));
@@ -219,9 +225,11 @@ impl State {
         }
     }
 
+    /// Whether a set is fitted, is to be, or could not be.
     pub(crate) fn is_known(&self, effects: &[usize]) -> bool {
         self.refits.iter().any(|refit| refit.effects == effects)
             || self.pending.iter().any(|request| request.effects == effects)
+            || self.unfitted.iter().filter(|own| *own == effects).count() >= MOST_FAILURES
     }
 
     /// Orders a fit of a set, unless it is there.
@@ -422,6 +430,7 @@ impl Diagnosis {
             pending: Vec::new(),
             remainders,
             at_levels: Vec::new(),
+            unfitted: Vec::new(),
             failed: Vec::new(),
             left_out: Vec::new(),
             excursions: Vec::new(),

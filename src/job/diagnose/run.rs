@@ -162,7 +162,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        44
+        45
     }
 
     fn identity(&self) -> Value {

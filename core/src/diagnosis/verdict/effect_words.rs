@@ -7,6 +7,7 @@ use crate::diagnosis::verdict::numbers::{short, stated, stated_amount, with_erro
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::document::percent;
 use crate::document::time::unit_of_time;
+use crate::effect::candidate::GROUP;
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::measurement::{Rows, calendar};
@@ -253,7 +254,7 @@ pub(super) fn surprising(effect: &EffectResult) -> String {
 }
 
 /// The heat that an effect moves, where it moves any.
-pub(super) fn carried(effect: &EffectResult) -> String {
+pub fn carried(effect: &EffectResult) -> String {
     let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) else { return String::new() };
     let node = &first.node;
     let (size, unit) = match f64::max(least.abs(), most.abs()) {
@@ -270,10 +271,15 @@ pub(super) fn carried(effect: &EffectResult) -> String {
         let swing = short((most - least) / size, 2);
         return format!(", heat that varies by {swing} {unit} into {node} ({})", range(least, most));
     }
+    // Every node of a group has its share.
+    let [nor_from, nor_to] = match effect.where_kind == GROUP {
+        true => [" and from no other node more", " and no other node more"],
+        false => [""; 2],
+    };
     if most <= 0.0 {
-        return format!(", which takes {} from {node}", range(-most, -least));
+        return format!(", which takes {} from {node}{nor_from}", range(-most, -least));
     }
-    format!(", which gives {node} {}", range(least, most))
+    format!(", which gives {node} {}{nor_to}", range(least, most))
 }
 
 /// Where the parts that an effect adds start, where that was inferred.

@@ -12,7 +12,7 @@ use crate::expression::unit::CELSIUS_ZERO_K;
 /// Distance from a logged range up to which surroundings are those that were logged, K: a sensor's error, or a wall beside the air.
 const SAME_K: f64 = 3.0;
 /// Distance from which they are others than those that were logged, K.
-const OTHERS_K: f64 = 20.0;
+const OTHERS_K: f64 = 40.0;
 
 /// What is to be checked where an effect leads to surroundings of its own, whose temperature is among the `amplitudes`.
 pub fn hint(problem: &Problem, candidate: &Candidate, amplitudes: &BTreeMap<String, Amount>) -> Option<String> {

@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/verdict/effect_words.rs`.
 
-use bmv::diagnosis::output::{Amount, EffectResult, Level, RmseChange};
+use bmv::diagnosis::output::{Amount, EffectHeat, EffectResult, Level, RmseChange};
 use bmv::diagnosis::verdict::effect_words::*;
 
 use super::words::effect;
@@ -44,6 +44,21 @@ fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
         size(&effect(0.0347), None),
         ", conductance 0.031 ± 0.013 W/K (most probable with all others 0.03470 W/K)"
     );
+}
+
+/// In a group's law the node is one of several.
+#[test]
+fn heats_are_stated_in_watts_kilowatts_or_megawatts_and_of_a_group_by_its_largest_share() {
+    let of = |watts: [f64; 2], where_kind: &str| {
+        let (node, measurement) = ("tank".to_owned(), "day".to_owned());
+        let carries = vec![EffectHeat { node, measurement, phase: None, time_s: Some(0.0), watts: watts[0] }];
+        carried(&EffectResult { watts: Some(watts), carries, where_kind: where_kind.to_owned(), ..effect(0.03) })
+    };
+    assert_eq!(of([0.19, 0.49], "node"), ", which gives tank 0.19 to 0.49 W");
+    assert_eq!(of([-140_244.0, -99_969.0], "node"), ", which takes 100 to 140 kW from tank");
+    assert_eq!(of([1.2e6, 2.4e6], "node"), ", which gives tank 1.2 to 2.4 MW");
+    assert_eq!(of([0.87, 0.87], "group"), ", which gives tank 0.87 W and no other node more");
+    assert_eq!(of([-0.5, -0.2], "group"), ", which takes 0.20 to 0.50 W from tank and from no other node more");
 }
 
 /// `date` comes before `power`.
