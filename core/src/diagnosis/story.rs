@@ -94,11 +94,7 @@ impl Story {
 
     /// What a set gains over another.
     pub fn gain(&self, state: &State, before: usize, after: usize) -> Gain {
-        Gain {
-            log_odds: self.logs[after] - self.logs[before],
-            fitted: self.log_evidences[after] - self.log_evidences[before],
-            unseen: unseen(&state.refits[before], &state.refits[after]),
-        }
+        gain(state, [&self.logs, &self.log_evidences], before, after)
     }
 
     /// Whether it finds no law, or begins with one that has to be a hundred times as large as is plausible.
@@ -235,18 +231,18 @@ pub fn pays_by(gain: Gain, is_first: bool, asked: AskedOfUnseen) -> bool {
         && if may_stay { !rises(gain.unseen) } else { falls(gain.unseen) }
 }
 
-/// What a set gains over another.
-fn gain(state: &State, logs: &Logs, at: usize, place: usize) -> Gain {
+/// What a set gains over another, by the log posterior weights and the log evidences of all sets.
+fn gain(state: &State, [weights, evidences]: [&[f64]; 2], at: usize, place: usize) -> Gain {
     Gain {
-        log_odds: logs[place] - logs[at],
-        fitted: logs.evidences[place] - logs.evidences[at],
+        log_odds: weights[place] - weights[at],
+        fitted: evidences[place] - evidences[at],
         unseen: unseen(&state.refits[at], &state.refits[place]),
     }
 }
 
 /// Whether a set that adds an effect to another is more probable, and neither unseen nor fitted rows speak against it.
 fn pays(state: &State, logs: &Logs, at: usize, place: usize, asked: AskedOfUnseen) -> bool {
-    pays_by(gain(state, logs, at, place), state.refits[at].effects.is_empty(), asked)
+    pays_by(gain(state, [logs, &logs.evidences], at, place), state.refits[at].effects.is_empty(), asked)
 }
 
 /// Effects that a story leaves out although they are more probable than nothing at a step.
@@ -335,7 +331,7 @@ impl Diagnosis {
             let is_first = state.refits[step.before].effects.is_empty();
             let weighed = |one: &Addition| {
                 // What the fitted rows want less contradicts nothing.
-                let unseen = Gain { fitted: 0.0, ..gain(state, logs, step.before, one.place) };
+                let unseen = Gain { fitted: 0.0, ..gain(state, [logs, &logs.evidences], step.before, one.place) };
                 Weighed {
                     probability: one.probability,
                     is_curve: self.is_unknown_function(one.effect),

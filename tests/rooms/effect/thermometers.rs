@@ -9,7 +9,7 @@ use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 
 /// A reading of one thermometer ahead of the inputs is that thermometer's fault; of all of them it may be that of the inputs.
 #[test]
-fn rows_of_all_thermometers_stamped_too_early_are_inputs_logged_late() {
+fn a_clock_behind_at_all_thermometers_is_titled_beside_that_of_the_inputs() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let recipe = Recipe::of(Topology::Star, TestKind::Steps, InjectionRequest::default());
     let problem = case(&catalogue, &recipe, 1, 0).expect("a case").problem;
