@@ -147,6 +147,13 @@ pub fn whole_surface_first(laws: &[LawOfStep]) -> usize {
     if laws.first().is_none_or(|first| first.is_of_group) { 0 } else { laws.iter().position(alike).unwrap_or(0) }
 }
 
+/// Which of the effects that may go first at a step does, in the order of the rules: the first that is likely. Each with its probability, and
+/// that of its most probable rival, whether that pays or not: where the fitted rows want far more what fails on the unseen ones, the
+/// effect would follow errors of the model. `None` where none is likely.
+pub fn first_likely(in_turn: &[[f64; 2]]) -> Option<usize> {
+    in_turn.iter().position(|[own, rival]| own * RIVALS_WITHIN >= *rival)
+}
+
 /// Log odds by which another set has to lead that of a story to displace it: clear ones where it has more effects, or a single place
 /// for a whole surface that would go before it.
 pub fn least_lead(is_larger: bool, displaces_surface: bool) -> f64 {
@@ -431,7 +438,7 @@ impl Diagnosis {
             .collect();
         additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
         let pays = |one: &&Addition| pays(one.place);
-        let is_curve = |one: &&Addition| self.is_unknown_function(one.effect);
+        let is_curve = |one: &Addition| self.is_unknown_function(one.effect);
         let candidate = |one: &Addition| &self.problem().candidates[one.effect];
         let is_of_group = |one: &Addition| candidate(one).is_group();
         let is_elsewhere = |one: &Addition, other: &Addition| candidate(one).is_elsewhere_than(candidate(other));
@@ -468,14 +475,25 @@ impl Diagnosis {
             }
             (None, curve) => curve.or_else(|| additions.iter().find(pays)),
         };
-        let to_given = |place: usize| additions.iter().find(|one| one.place == place);
-        let chosen = next_set.map_or(chosen, to_given);
-        let before_others = law.zip(chosen).is_some_and(|(law, chosen)| is_of_group(chosen) && !is_of_group(law));
-        // What the fitted rows want far more fails on the unseen ones: the effect would follow errors of the model.
-        let is_rival = |one: &&Addition| (!before_others || is_of_group(one)) && (law.is_none() || !is_curve(one));
-        let most_wanted = additions.iter().filter(is_rival).map(|one| one.probability).fold(0.0, f64::max);
-        let is_likely = |one: &&Addition| next_set.is_some() || one.probability * RIVALS_WITHIN >= most_wanted;
-        let chosen = chosen.filter(is_likely).cloned();
+        let goes_before_others = |one: &Addition| law.is_some_and(|law| is_of_group(one) && !is_of_group(law));
+        let most_wanted = |one: &Addition| {
+            let is_rival = |other: &&Addition| {
+                (!goes_before_others(one) || is_of_group(other))
+                    && (law.is_none() || self.is_last_resort(one.effect) || !is_curve(other))
+            };
+            additions.iter().filter(is_rival).map(|other| other.probability).fold(0.0, f64::max)
+        };
+        let chosen = match next_set {
+            Some(place) => additions.iter().find(|one| one.place == place),
+            None => {
+                let last_resort = additions.iter().find(pays).filter(|_| state.refits[at].effects.is_empty());
+                let in_turn: Vec<&Addition> = [chosen, law, curve, last_resort].into_iter().flatten().collect();
+                let weighed: Vec<[f64; 2]> = in_turn.iter().map(|one| [one.probability, most_wanted(one)]).collect();
+                first_likely(&weighed).map(|position| in_turn[position])
+            }
+        };
+        let before_others = chosen.is_some_and(goes_before_others);
+        let chosen = chosen.cloned();
         let mut stays = exp(logs[at] - total);
         if chosen.as_ref().is_some_and(|chosen| !self.is_unknown_function(chosen.effect)) {
             // Curves are asked only after the laws. Single places stand behind the surface that goes before them, whatever they

@@ -2,7 +2,8 @@
 
 use bmv::diagnosis::story::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::{
-    Gain, LawOfStep, Weighed, curve_goes_first, falls, least_lead, pays_by, rises, serves_as_well, whole_surface_first,
+    Gain, LawOfStep, Weighed, curve_goes_first, falls, first_likely, least_lead, pays_by, rises, serves_as_well,
+    whole_surface_first,
 };
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
@@ -97,4 +98,14 @@ fn a_whole_surface_goes_before_a_single_place_and_not_before_another_surface() {
 #[test]
 fn a_single_place_displaces_a_whole_surface_only_where_it_is_clearly_more_probable() {
     assert_eq!([least_lead(false, true), least_lead(true, false), least_lead(false, false)], [10.0, 10.0, 0.0]);
+}
+
+#[test]
+fn an_unlikely_surface_gives_way_to_the_law_that_is_likely() {
+    // A surface that another surface leads by more than ten, and the law that leads all: it goes first, not nothing.
+    assert_eq!(first_likely(&[[0.0002, 0.0023], [0.73, 0.73]]), Some(1));
+    assert_eq!(first_likely(&[[0.0023, 0.0023], [0.73, 0.73]]), Some(0));
+    // Laws far behind what fails on unseen rows give way to what is as probable as that.
+    assert_eq!(first_likely(&[[1e-9, 0.2], [1e-9, 0.2], [0.8, 0.8]]), Some(2));
+    assert_eq!(first_likely(&[[1e-9, 0.2]]), None);
 }
