@@ -496,17 +496,12 @@ impl Diagnosis {
     /// What stands out where the parameters are at the medians of their priors, if the fit drives them far from there: about
     /// a fit that a strong effect has distorted, its linearisation may not look like it any more. The starts hold the parameters.
     pub(crate) fn leads_at_prior_medians(&self, problem: &Problem, baseline: &Refit) -> Result<Vec<Lead>, FitError> {
-        let likelihood = self.likelihood(problem)?;
+        let Some(medians) = self.medians_if_far(problem, baseline)? else { return Ok(Vec::new()) };
         let mut at_medians = baseline.clone();
-        let mut is_at_edge = false;
-        // Of the baseline model: effects that were added stay as they were fitted.
-        let model = self.problem.parameters.len();
-        for (value, prior) in at_medians.unknowns.iter_mut().zip(likelihood.priors()).take(model) {
-            is_at_edge |= *value <= prior.quantile(PRIOR_EDGE) || *value >= prior.quantile(1.0 - PRIOR_EDGE);
-            *value = prior.quantile(0.5);
-        }
-        if !is_at_edge {
-            return Ok(Vec::new());
+        for (name, value) in at_medians.names.iter().zip(&mut at_medians.unknowns) {
+            if let Some(&median) = medians.get(name) {
+                *value = median;
+            }
         }
         let mut leads = self.leads_beside(problem, &at_medians)?;
         for start in leads.iter_mut().flat_map(|lead| &mut lead.starts) {
@@ -514,6 +509,18 @@ impl Diagnosis {
             start.extend(screened_start);
         }
         Ok(leads)
+    }
+
+    /// The medians of the priors of the baseline model's parameters, by name, where a fit drives one of these far from there. Effects
+    /// that were added stay as they were fitted.
+    fn medians_if_far(&self, problem: &Problem, fitted: &Refit) -> Result<Option<BTreeMap<String, f64>>, FitError> {
+        let likelihood = self.likelihood(problem)?;
+        let model = self.problem.parameters.len();
+        let own = || likelihood.priors().iter().take(model);
+        let is_far = (fitted.unknowns.iter().zip(own()))
+            .any(|(value, prior)| *value <= prior.quantile(PRIOR_EDGE) || *value >= prior.quantile(1.0 - PRIOR_EDGE));
+        let medians = fitted.names.iter().cloned().zip(own().map(|prior| prior.quantile(0.5)));
+        Ok(is_far.then(|| medians.collect()))
     }
 
     /// Whether the tests find that something is missing.
@@ -533,18 +540,27 @@ impl Diagnosis {
     pub fn refit(&self, state: &State, request: &FitRequest) -> Result<Refit, Unfitted> {
         let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
         let base = state.refits.get(request.from).map(Refit::by_name).unwrap_or_default();
-        let starts = request.starts.iter().map(|request_start| {
-            let mut start = base.clone();
-            start.extend(request_start.iter().map(|(name, value)| (name.clone(), *value)));
-            start
-        });
+        let beside = |base: &BTreeMap<String, f64>, start: &BTreeMap<String, f64>| {
+            let both = base.iter().chain(start).map(|(name, value)| (name.clone(), *value));
+            both.collect::<BTreeMap<String, f64>>()
+        };
+        let mut starts: Vec<BTreeMap<String, f64>> = request.starts.iter().map(|start| beside(&base, start)).collect();
+        // No slope may lead from where a strong effect that is missing has driven the parameters to where they are with it.
+        if state.is_misspecified()
+            && request.effects.len() == 1
+            && request.from == 0
+            && let Ok(Some(medians)) = self.medians_if_far(&problem, &state.refits[0])
+        {
+            let own_start = |start: &&BTreeMap<String, f64>| !medians.keys().any(|name| start.contains_key(name));
+            let at_medians = beside(&base, &medians);
+            starts.extend(request.starts.iter().filter(own_start).map(|start| beside(&at_medians, start)));
+        }
         // Where something is missing, the baseline model may be driven far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
         let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();
         // Effects that can only harm, as an exchange of channels, need not be fitted to the end.
         let least_log_likelihood = state.refits.first().map(|baseline| baseline.log_likelihood);
-        let begin =
-            Begin { starts: starts.collect(), from_prior, scale: 1.0, widths, least_log_likelihood, is_near: false };
+        let begin = Begin { starts, from_prior, scale: 1.0, widths, least_log_likelihood, is_near: false };
         problem.refit(&request.effects, &begin, &self.key).map_err(|error| {
             let ids = request.effects.iter().map(|&effect| problem.candidates[effect].id.clone());
             Unfitted { effects: ids.collect(), reason: error.to_string() }

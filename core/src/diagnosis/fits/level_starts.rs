@@ -16,7 +16,7 @@ const STARTS: usize = 3;
 impl Problem {
     /// Where the fit of an effect begins that is about a level of its nodes' own temperature: far from the level nothing leads there.
     /// Those levels between the nodes' readings that err least beside the baseline model's fit, each with the plausible size or that
-    /// part of it that errs least; none where there is no such level.
+    /// part of it that errs least; none where there is no such level. The starts hold the effect's parameters.
     pub(crate) fn starts_at_levels(&self, baseline: &Refit, candidate: usize) -> Vec<BTreeMap<String, f64>> {
         let own = &self.candidates[candidate];
         let Some(effect) = self.catalogue.get(&own.effect) else { return Vec::new() };
@@ -33,14 +33,15 @@ impl Problem {
         let mut tried: Vec<(f64, BTreeMap<String, f64>)> = Vec::new();
         for value in thresholds(self, own, effect, level).unwrap_or_default() {
             let at_level = SHARES_OF_SIZE.into_iter().filter_map(|share| {
-                let mut start = baseline.by_name();
+                let mut own_start = BTreeMap::new();
                 for parameter in &parameters {
                     let size = if parameter.amplitude { share * parameter.nominal } else { parameter.nominal };
-                    start.insert(format!("{}.{}", own.id, parameter.name), size);
+                    own_start.insert(format!("{}.{}", own.id, parameter.name), size);
                 }
-                start.insert(format!("{}.{}", own.id, level.name), value);
+                own_start.insert(format!("{}.{}", own.id, level.name), value);
+                let start = baseline.by_name().into_iter().chain(own_start.clone()).collect();
                 likelihood.residuals(&place(&likelihood, &start), &mut memory, &mut residuals).ok()?;
-                Some((residuals.iter().map(|residual| residual * residual).sum::<f64>(), start))
+                Some((residuals.iter().map(|residual| residual * residual).sum::<f64>(), own_start))
             });
             tried.extend(at_level.reduce(|a, b| if b.0 < a.0 { b } else { a }));
         }
