@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 use crate::diagnosis::fits::other_noise::{self, Direction, directions};
 use crate::diagnosis::fits::size::is_within_model;
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
+use crate::diagnosis::linearisation::threshold_levels::is_crossed;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
-use crate::effect::Site;
+use crate::effect::{EffectParameter, Site};
 use crate::expression::Unit;
 use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::estimate::truncated_moments::Moments;
@@ -122,6 +123,8 @@ const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
 const MAY_LACK: f64 = 6.0;
 /// Standard deviations of a size below which it is none.
 const IS_NOTHING: f64 = 1e-6;
+/// Log odds by which an effect stands behind others whose threshold no fitted row crosses: what it does there, plainer laws do.
+const NOT_CROSSED: f64 = 10.0;
 /// Times the usual local error of a step where a fit only begins: some millikelvins.
 pub(crate) const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
 
@@ -280,6 +283,7 @@ impl Problem {
         };
         refit.score(&hypothesis, &likelihood)?;
         self.weigh_sizes(&mut refit, places);
+        refit.log_evidence -= NOT_CROSSED * self.levels_not_crossed(&refit) as f64;
         Ok((refit, widths_at))
     }
 
@@ -296,6 +300,21 @@ impl Problem {
                 refit.log_evidence += WIDTHS[place].log_odds(of_sensors);
             }
         }
+    }
+
+    /// How many levels of a fit's effects, such as thresholds, have all fitted rows on one side.
+    fn levels_not_crossed(&self, refit: &Refit) -> usize {
+        let fitted = refit.by_name();
+        let of_effect = |&effect: &usize| {
+            let candidate = &self.candidates[effect];
+            let Some(file) = self.catalogue.get(&candidate.effect) else { return 0 };
+            let is_missed = |parameter: &EffectParameter| {
+                let value = fitted.get(&format!("{}.{}", candidate.id, parameter.name));
+                value.is_some_and(|&value| !is_crossed(self, candidate, file, parameter, value))
+            };
+            file.parameters(&self.model, &candidate.bound).iter().filter(|own| !own.amplitude && is_missed(own)).count()
+        };
+        refit.effects.iter().map(of_effect).sum()
     }
 
     /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates

@@ -12,6 +12,10 @@ use crate::random::Distribution;
 const MOST: usize = 24;
 /// Levels nearer than this share of their range are one.
 const SAME: f64 = 0.005;
+/// Share of their range by which a threshold may lie beyond the levels of transients, where what it does may still show.
+const REACH: f64 = 0.05;
+/// The same beyond all temperatures that were read, where the node has no sensor.
+const REACH_WITHOUT_SENSOR: f64 = 0.25;
 /// Thresholds that are tried in what varies continuously.
 const MOST_OF_COURSE: usize = 7;
 /// The same of dates and of times since the start of a run: a step a thirtieth of the time off keeps nine tenths of what it explains.
@@ -39,9 +43,7 @@ pub(crate) fn thresholds(
     if middles.is_empty() {
         return None;
     }
-    let is_time = matches!(compared(candidate, effect, parameter),
-        Some(Compared::Input(input)) if Bound::Input(input).is_clock(&problem.model));
-    let most = if is_time { MOST_TIMES } else { MOST_OF_COURSE };
+    let most = if is_time(problem, candidate, effect, parameter) { MOST_TIMES } else { MOST_OF_COURSE };
     if !steady && middles.len() > most {
         return Some(evenly([levels[0], levels[levels.len() - 1]], most));
     }
@@ -80,16 +82,35 @@ pub(crate) fn beside(
     [above.checked_sub(2).and_then(middle), middle(above)]
 }
 
-/// Whether there are levels on both sides of a value (SI) of such a parameter; so where it has none.
-pub(crate) fn is_crossed(
+/// Whether there are levels on both sides of a value (SI) of such a parameter; so where it has none, and of a time.
+pub fn is_crossed(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
     value: f64,
 ) -> bool {
-    let levels = levels(problem, candidate, effect, parameter).unwrap_or_default();
-    levels.is_empty() || (levels.iter().any(|level| *level <= value) && levels.iter().any(|level| *level > value))
+    if is_time(problem, candidate, effect, parameter) {
+        return true;
+    }
+    // What melts, or a switch with a hysteresis, acts before its level is reached.
+    let reach = if all_steady(problem) { 0.0 } else { REACH };
+    let ends = match (all_levels(problem, candidate, effect, parameter), compared(candidate, effect, parameter)) {
+        (Some(levels), _) => levels.first().copied().zip(levels.last().copied()).map(|ends| (ends, reach)),
+        // Nodes without a sensor may be somewhat warmer or colder than all that have one.
+        (None, Some(Compared::Nodes(_))) => span(problem).map(|[least, most]| ((least, most), REACH_WITHOUT_SENSOR)),
+        (None, _) => None,
+    };
+    ends.is_none_or(|((least, greatest), reach)| {
+        let margin = reach * (greatest - least);
+        least <= value + margin && greatest > value - margin
+    })
+}
+
+/// Whether such a parameter is a date or a time since the start of a run.
+fn is_time(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> bool {
+    matches!(compared(candidate, effect, parameter),
+        Some(Compared::Input(input)) if Bound::Input(input).is_clock(&problem.model))
 }
 
 /// Logarithm of the share of the prior that lies between these levels.

@@ -1,2 +1,3 @@
 mod bounded;
 mod signature;
+mod threshold_levels;
