@@ -180,8 +180,8 @@ fn the_rule_by_which_a_less_probable_effect_is_proposed_stands_beside_its_rivals
         output.selected.push("heat-load:board".into());
     }));
     let summary = rendered(&sample).markdown.replace('\u{A0}', " ");
-    let said = "more probable than `conductive-path:baseplate:board`: `radiative-path:baseplate:board` 75.3 % (the proposed one goes first: with \
-                all that is selected it is more probable than the other would be in its place)";
+    let said = "more probable than `conductive-path:baseplate:board`: `radiative-path:baseplate:board` 75.3 % (the proposed one goes first: all \
+                that is selected is more probable than what was fitted with the other in its place)";
     has(&summary, &[said]);
 }
 

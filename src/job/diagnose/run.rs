@@ -162,7 +162,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        45
+        46
     }
 
     fn identity(&self) -> Value {

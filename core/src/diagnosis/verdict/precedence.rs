@@ -19,7 +19,7 @@ impl Precedence {
             Self::Law => "a law goes before an unknown function that does not clearly explain more",
             Self::Group => "what acts on a whole group goes before a single place that does not clearly explain more",
             Self::Size => "the other would have to be a hundred times as large as is plausible",
-            Self::Set => "with all that is selected it is more probable than the other would be in its place",
+            Self::Set => "all that is selected is more probable than what was fitted with the other in its place",
             Self::OtherStep => "the other is that probable only beside other effects",
             Self::Prior => "a prior that may be too narrow is checked before anything is added",
             Self::FewestParameters => "tests still find something beside both, and its set has the fewest parameters",
@@ -116,10 +116,9 @@ impl Findings<'_> {
             }
         }
         // Where another effect would have been first, the steps lead to a less probable set.
-        let selected = &refits[self.selected].effects;
         let in_its_place = |place: &usize| {
             let effects = &refits[*place].effects;
-            effects.len() == selected.len() && effects.contains(&other) && !effects.contains(&effect)
+            effects.contains(&other) && !effects.contains(&effect)
         };
         let sets = (0..refits.len()).filter(in_its_place).map(|place| story.logs[place]);
         if sets.reduce(f64::max).is_some_and(|most| most < story.logs[self.selected]) {

@@ -9,6 +9,7 @@ use crate::diagnosis::verdict::effect_words::{
     Likeness, asked_for, carried, level, onset, or_model_error, size, started, surprising, timed, too_narrow,
 };
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
+use crate::diagnosis::verdict::far_from_priors;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::numbers::{joined, kelvins, short, stated_amount, with_error};
 use crate::diagnosis::verdict::one_kind::one_kind;
@@ -381,6 +382,11 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             test.at,
             p_stated(test.p)
         ));
+    }
+    if output.verdict != Verdict::Adequate {
+        // What the baseline model drags there may have hidden what is missing.
+        let fits = [findings.selected, 0].map(|place| &findings.state.refits[place]);
+        words.extend(fits.into_iter().find_map(|fit| far_from_priors::in_words(findings.problem, fit)));
     }
     let left = output.remaining_p.filter(|p| *p <= false_alarm && !findings.goes_first());
     if let Some(p) = left.filter(|_| !selected.is_empty()) {

@@ -3,6 +3,7 @@ mod discriminating_experiment;
 mod effect_words;
 mod everywhere;
 mod experiment_words;
+mod far_from_priors;
 mod few_readings;
 mod lumped_nodes;
 mod numbers;

@@ -1,0 +1,52 @@
+//! Parameters of the model that a fit leads far from their priors: the prior is wrong, or the parameter stands for what is missing.
+
+use crate::diagnosis::fits::other_noise::scale;
+use crate::diagnosis::verdict::numbers::{joined, short, stated};
+use crate::diagnosis::{Problem, Refit};
+use crate::effect::Site;
+use crate::expression::Unit;
+use crate::thermal::Parameter;
+
+/// Standard deviations of a prior from which a fitted value is far from it: one in 30,000 lies there.
+const FAR: f64 = 4.0;
+/// Most parameters that are named, the farthest first.
+const MOST: usize = 3;
+
+/// The parameters of the model that a fit leads far from their priors; nothing where there are none.
+pub fn in_words(problem: &Problem, refit: &Refit) -> Option<String> {
+    let known = refit.by_name();
+    let own = |&index: &usize| {
+        let parameter = problem.model.parameters.get(index)?;
+        let (value, prior) = (*known.get(&parameter.name)?, problem.priors.get(index)?);
+        let (away, sd) = scale(prior, value);
+        (away.abs() >= FAR && sd > 0.0).then(|| (away, parameter, value, prior.quantile(0.5)))
+    };
+    let is_asked = |index: &&usize| {
+        let priors = refit.effects.iter().map(|&effect| &problem.candidates[effect].site);
+        !priors.into_iter().any(|site| matches!(site, Site::Parameter(own) if own == *index))
+    };
+    let mut far: Vec<_> = problem.parameters.iter().filter(is_asked).filter_map(own).collect();
+    far.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()).then(a.1.name.cmp(&b.1.name)));
+    let one = |(away, parameter, value, median): &(f64, &Parameter, f64, f64)| {
+        let unit = Unit::parse(&parameter.unit).ok();
+        let shown = |si: f64| unit.as_ref().map_or(si, |unit| unit.from_si(si));
+        let (times, unit) = stated(&parameter.unit, shown(*median).abs());
+        let number = |si: f64| short(shown(si) * times, 3);
+        format!(
+            "`{}` to {}{unit}, {} standard deviations from {}",
+            parameter.name,
+            number(*value),
+            short(away.abs(), 2),
+            number(*median)
+        )
+    };
+    let named: Vec<String> = far.iter().take(MOST).map(one).collect();
+    let or = match named.len() {
+        0 => return None,
+        1 => "the median of its prior: that prior is wrong, or the parameter stands",
+        _ => "the medians of their priors: these priors are wrong, or the parameters stand",
+    };
+    let fit =
+        if refit.effects.is_empty() { "The fit of the baseline model" } else { "Beside what is selected the fit" };
+    Some(format!("{fit} leads {}, {or} for something that is missing.", joined(&named)))
+}

@@ -1,0 +1,33 @@
+//! Tests of `core/src/diagnosis/verdict/far_from_priors.rs`.
+
+use std::sync::Arc;
+
+use bmv::diagnosis::fits::refit::Begin;
+use bmv::diagnosis::verdict::far_from_priors::in_words;
+use bmv::document::Diagnostics;
+use bmv::effect::Catalogue;
+use bmv::random::{Distribution, StreamKey};
+use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+
+#[test]
+fn a_parameter_far_from_its_prior_is_named_with_its_distance() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let request = InjectionRequest { effects: 0, size: None, ..InjectionRequest::default() };
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, request);
+    let mut problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    let begin = Begin { from_prior: 1, scale: 1.0, ..Begin::default() };
+    let refit = problem.refit(&[], &begin, &StreamKey::new(1, "job", "fit")).unwrap();
+    assert_eq!(in_words(&problem, &refit), None);
+    let index = problem.parameters[0];
+    let (name, unit) = (problem.model.parameters[index].name.clone(), problem.model.parameters[index].unit.clone());
+    let fitted = refit.by_name()[&name];
+    // Twice its median, by a prior that knows it to 7 %: ln 2 / ln 1.07 = 10.2 standard deviations.
+    problem.priors[index] = Distribution::LogNormal { median: 0.5 * fitted, factor: 1.07 };
+    let words = in_words(&problem, &refit).unwrap();
+    assert!(
+        words.contains(&format!("leads `{name}` to ")) && words.contains("10 standard deviations"),
+        "{unit}: {words}"
+    );
+    problem.priors[index] = Distribution::LogNormal { median: 0.8 * fitted, factor: 1.07 };
+    assert_eq!(in_words(&problem, &refit), None, "ln 1.25 / ln 1.07 = 3.3 standard deviations");
+}
