@@ -549,6 +549,7 @@ impl Diagnosis {
         if state.is_misspecified()
             && request.effects.len() == 1
             && request.from == 0
+            && !problem.has_long_transients()
             && let Ok(Some(medians)) = self.medians_if_far(&problem, &state.refits[0])
         {
             let own_start = |start: &&BTreeMap<String, f64>| !medians.keys().any(|name| start.contains_key(name));

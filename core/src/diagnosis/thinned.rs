@@ -33,6 +33,12 @@ pub(crate) struct Thinned {
 }
 
 impl Problem {
+    /// Whether a transient is long: every fit of it takes its time.
+    pub(crate) fn has_long_transients(&self) -> bool {
+        let is_long = |own: &Measurement| last_fitted(own).is_some_and(|last| last >= MOST_ROWS);
+        self.measurements.iter().any(|own| matches!(own.rows, Rows::Transient { .. }) && is_long(own))
+    }
+
     /// The problem on fewer rows, whose transients may err by so many times the usual local error in a step. `None` where no
     /// transient is long.
     pub(crate) fn thinned(&self, tolerance: f64) -> Option<Thinned> {
