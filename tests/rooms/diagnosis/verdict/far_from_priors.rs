@@ -19,15 +19,12 @@ fn a_parameter_far_from_its_prior_is_named_with_its_distance() {
     let refit = problem.refit(&[], &begin, &StreamKey::new(1, "job", "fit")).unwrap();
     assert_eq!(in_words(&problem, &refit), None);
     let index = problem.parameters[0];
-    let (name, unit) = (problem.model.parameters[index].name.clone(), problem.model.parameters[index].unit.clone());
+    let name = problem.model.parameters[index].name.clone();
     let fitted = refit.by_name()[&name];
     // Twice its median, by a prior that knows it to 7 %: ln 2 / ln 1.07 = 10.2 standard deviations.
     problem.priors[index] = Distribution::LogNormal { median: 0.5 * fitted, factor: 1.07 };
     let words = in_words(&problem, &refit).unwrap();
-    assert!(
-        words.contains(&format!("leads `{name}` to ")) && words.contains("10 standard deviations"),
-        "{unit}: {words}"
-    );
+    assert!(words.contains(&format!("leads `{name}` to ")) && words.contains("10 standard deviations"), "{words}");
     problem.priors[index] = Distribution::LogNormal { median: 0.8 * fitted, factor: 1.07 };
     assert_eq!(in_words(&problem, &refit), None, "ln 1.25 / ln 1.07 = 3.3 standard deviations");
 }
