@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{BatchError, Executed, LoadedPass};
+use super::{BatchError, Executed, Loaded, LoadedPass};
 use crate::job::key_number::KeyNumber;
 use crate::job::kind;
 use crate::runner::baseline::{self, Baseline};
@@ -227,6 +227,19 @@ pub fn check(executed: &Executed, other_seed: Option<u64>) -> Result<Regression,
         judge(&mut regression);
     }
     Ok(regression)
+}
+
+/// Whether any of the passes has a baseline, or what lies in the place of one.
+///
+/// # Errors
+/// [`BatchError`] if the system refuses.
+pub fn has_baselines(loaded: &Loaded) -> Result<bool, BatchError> {
+    for pass in &loaded.passes {
+        if !baseline::files(&pass.study, &pass.file)?.is_empty() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// Files among the baselines of a pass that are of none of its jobs.

@@ -15,7 +15,7 @@ use crate::study::resolve::LARGEST_SEED;
 /// Numbers that are printed for a job; all are in the JSON document.
 const SHOWN: usize = 10;
 
-/// Arguments of `bmv check`. Without `--cache` everything runs anew in a cache of its own.
+/// Arguments of `bmv check`. It runs all jobs, without `--cache` anew in a cache of its own; `bmv plan` checks the files alone.
 #[derive(Debug, clap::Args)]
 pub(super) struct Check {
     #[command(flatten)]
@@ -61,6 +61,12 @@ impl Check {
             None => batch::load(&self.paths.paths, &context.reading)?,
             Some(seed) => batch::load_with_seed(&self.paths.paths, seed, &context.reading)?,
         };
+        if !self.renew && !regression::has_baselines(&loaded)? {
+            // Hours of runs that nothing could be compared with.
+            let message = "no pass has a baseline yet, so nothing was run\n  help: `bmv check --renew --because TEXT` runs the \
+                           jobs and writes their baselines; `bmv plan` checks the files alone";
+            return Err(Failure { status: Status::CheckFailed, ..Failure::input(message) });
+        }
         let executed = execute_loaded(loaded, Loaded::default(), &self.options, context, |_, _, _| true)?;
         match &self.because {
             Some(because) if self.renew => self.renew(&executed, because),

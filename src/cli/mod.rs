@@ -177,7 +177,7 @@ enum Verb {
     Import(import::Import),
     /// Show what changed between two passes, in definitions and in results
     Diff(diff::Diff),
-    /// Hold fresh results against archived ones
+    /// Run jobs again and hold the results against archived ones; `plan` checks files alone
     Check(check::Check),
 }
 

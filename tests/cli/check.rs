@@ -71,10 +71,10 @@ fn number<'b>(baseline: &'b mut Value, of: &str, statistic: &str) -> &'b mut Val
 fn a_missing_baseline_fails_and_says_what_to_do() {
     let root = plate();
     let failed = bmv(root.path(), &["check", "plate"]);
-    let said = text(&failed.stdout);
+    let said = text(&failed.stderr);
     assert_eq!(code(&failed), 1, "{said}");
-    assert!(said.contains("plate/pass-1.json:prior: NO BASELINE in plate/baseline/pass-1/prior.json\n"), "{said}");
-    assert!(said.contains("`bmv check --renew --because TEXT` writes the baselines that are not there\n"), "{said}");
+    assert!(said.contains("error: no pass has a baseline yet, so nothing was run\n"), "{said}");
+    assert!(said.contains("`bmv check --renew --because TEXT` runs the jobs and writes their baselines"), "{said}");
     for wrong in [
         &["check", "plate", "--renew"][..],
         &["check", "plate", "--renew", "--because", " "],
@@ -86,7 +86,11 @@ fn a_missing_baseline_fails_and_says_what_to_do() {
     // One that is not there fails beside others that are.
     renew(root.path(), "plate");
     fs::remove_file(root.path().join("plate/baseline/pass-1/prior.json")).unwrap();
-    assert_eq!(code(&bmv(root.path(), &["check", "plate"])), 1);
+    let failed = bmv(root.path(), &["check", "plate"]);
+    let said = text(&failed.stdout);
+    assert_eq!(code(&failed), 1, "{said}");
+    assert!(said.contains("plate/pass-1.json:prior: NO BASELINE in plate/baseline/pass-1/prior.json\n"), "{said}");
+    assert!(said.contains("`bmv check --renew --because TEXT` writes the baselines that are not there\n"), "{said}");
 }
 
 #[test]

@@ -22,7 +22,6 @@ use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Candidate;
 use crate::inference::prior::joint_prior::JointPrior;
-use crate::inference::target::Target;
 use crate::measurement::total_sd;
 use crate::random::StreamKey;
 
@@ -496,7 +495,7 @@ impl Diagnosis {
     /// What stands out where the parameters are at the medians of their priors, if the fit drives them far from there: about
     /// a fit that a strong effect has distorted, its linearisation may not look like it any more. The starts hold the parameters.
     pub(crate) fn leads_at_prior_medians(&self, problem: &Problem, baseline: &Refit) -> Result<Vec<Lead>, FitError> {
-        let Some(medians) = self.medians_if_far(problem, baseline)? else { return Ok(Vec::new()) };
+        let Some(medians) = self.medians_if_far(baseline) else { return Ok(Vec::new()) };
         let mut at_medians = baseline.clone();
         for (name, value) in at_medians.names.iter().zip(&mut at_medians.unknowns) {
             if let Some(&median) = medians.get(name) {
@@ -513,14 +512,12 @@ impl Diagnosis {
 
     /// The medians of the priors of the baseline model's parameters, by name, where a fit drives one of these far from there. Effects
     /// that were added stay as they were fitted.
-    fn medians_if_far(&self, problem: &Problem, fitted: &Refit) -> Result<Option<BTreeMap<String, f64>>, FitError> {
-        let likelihood = self.likelihood(problem)?;
-        let model = self.problem.parameters.len();
-        let own = || likelihood.priors().iter().take(model);
-        let is_far = (fitted.unknowns.iter().zip(own()))
+    fn medians_if_far(&self, fitted: &Refit) -> Option<BTreeMap<String, f64>> {
+        let priors = self.problem.priors_of_unknowns();
+        let is_far = (fitted.unknowns.iter().zip(&priors))
             .any(|(value, prior)| *value <= prior.quantile(PRIOR_EDGE) || *value >= prior.quantile(1.0 - PRIOR_EDGE));
-        let medians = fitted.names.iter().cloned().zip(own().map(|prior| prior.quantile(0.5)));
-        Ok(is_far.then(|| medians.collect()))
+        let medians = fitted.names.iter().cloned().zip(priors.iter().map(|prior| prior.quantile(0.5)));
+        is_far.then(|| medians.collect())
     }
 
     /// Whether the tests find that something is missing.
@@ -533,12 +530,8 @@ impl Diagnosis {
         state.pending.clone()
     }
 
-    /// Fits a set.
-    ///
-    /// # Errors
-    /// Why it cannot be fitted.
-    pub fn refit(&self, state: &State, request: &FitRequest) -> Result<Refit, Unfitted> {
-        let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
+    /// Where the fit of a set starts, by the names of the unknowns.
+    pub fn starts(&self, problem: &Problem, state: &State, request: &FitRequest) -> Vec<BTreeMap<String, f64>> {
         let base = state.refits.get(request.from).map(Refit::by_name).unwrap_or_default();
         let beside = |base: &BTreeMap<String, f64>, start: &BTreeMap<String, f64>| {
             let both = base.iter().chain(start).map(|(name, value)| (name.clone(), *value));
@@ -550,12 +543,22 @@ impl Diagnosis {
             && request.effects.len() == 1
             && request.from == 0
             && !problem.has_long_transients()
-            && let Ok(Some(medians)) = self.medians_if_far(&problem, &state.refits[0])
+            && let Some(medians) = self.medians_if_far(&state.refits[0])
         {
             let own_start = |start: &&BTreeMap<String, f64>| !medians.keys().any(|name| start.contains_key(name));
             let at_medians = beside(&base, &medians);
             starts.extend(request.starts.iter().filter(own_start).map(|start| beside(&at_medians, start)));
         }
+        starts
+    }
+
+    /// Fits a set.
+    ///
+    /// # Errors
+    /// Why it cannot be fitted.
+    pub fn refit(&self, state: &State, request: &FitRequest) -> Result<Refit, Unfitted> {
+        let problem = self.at(state).with_noise(&state.noise, &state.most_steps);
+        let starts = self.starts(&problem, state, request);
         // Where something is missing, the baseline model may be driven far from where its parameters are with the effect.
         let from_prior = usize::from(self.finds(&state.screening) && !state.is_misspecified());
         let widths = state.refits.get(request.from).map(Refit::widths).unwrap_or_default();

@@ -7,7 +7,7 @@ use crate::diagnosis::FitError;
 use crate::diagnosis::places::Places;
 use crate::effect::{Candidate, Catalogue, Effect};
 use crate::inference::likelihood::{InputError, Likelihood, LikelihoodError};
-use crate::inference::prior::joint_prior::JointPrior;
+use crate::inference::prior::joint_prior::{JointPrior, STANDARD};
 use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 use crate::thermal::{Model, Parameter};
@@ -80,6 +80,15 @@ impl Problem {
     pub fn is_unknown_function(&self, candidate: usize) -> bool {
         let effect = self.catalogue.get(&self.candidates[candidate].effect);
         effect.is_some_and(Effect::is_unknown_function)
+    }
+
+    /// Priors of the baseline model's unknowns, in the order of `parameters`: standard normal ones of whitened coordinates.
+    pub(crate) fn priors_of_unknowns(&self) -> Vec<Distribution> {
+        let mut priors: Vec<Distribution> = self.parameters.iter().map(|&at| self.priors[at].clone()).collect();
+        for &place in self.joint.iter().flat_map(JointPrior::places) {
+            priors[place] = STANDARD;
+        }
+        priors
     }
 
     /// Whether a measurement is a transient.

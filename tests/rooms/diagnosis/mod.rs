@@ -1,5 +1,6 @@
 mod blocks;
 mod channel;
+mod engine;
 mod fits;
 mod heat;
 mod hypothesis;
