@@ -1,4 +1,4 @@
-//! Effects that are the same law, whatever its parameters and inputs are called.
+//! What law an effect is, whatever its parameters and inputs are called.
 
 use std::collections::BTreeMap;
 
@@ -37,6 +37,18 @@ impl Effect {
         let mut graph = Graph::new();
         let first = self.law(&load.value, &mut graph, &[0, 1]);
         first.is_some() && first == self.law(&load.value, &mut graph, &[1, 0])
+    }
+
+    /// Whether it adds heat that is in proportion to its one input, whatever the temperatures are.
+    pub fn is_proportional_load(&self) -> bool {
+        let (Some(load), 1) = (&self.form.adds.value.load, self.form.inputs.len()) else { return false };
+        let mut graph = Graph::new();
+        let Some(heat) = self.law(&load.value, &mut graph, &[0]) else { return false };
+        let input = Symbol::Input(0);
+        let slope = graph.derivative(heat, input);
+        let is_linear = !graph.symbols(slope).contains(&input) && graph.constant(slope) != Some(0.0);
+        let needs_temperature = graph.symbols(heat).iter().any(|symbol| matches!(symbol, Symbol::Node(_)));
+        is_linear && !needs_temperature && self.form.adds.value.given().len() == 1
     }
 
     /// Whether both add nothing but the same heat, factor or reading, whatever its parameters and inputs are called.

@@ -20,6 +20,14 @@ fn a_studys_own_law_stands_in_the_place_of_the_programs() {
     assert!(!effect("spreading").is_same_law(effect("input-proportional-load")), "heat, not a reading");
 }
 
+#[test]
+fn heat_in_proportion_to_one_input_is_known_by_its_law() {
+    let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+    let proportional: Vec<&str> =
+        catalogue.effects().iter().filter(|own| own.is_proportional_load()).map(|own| own.name.as_str()).collect();
+    assert_eq!(proportional, ["input-proportional-load"]);
+}
+
 /// A study's effect of this law beside those of the program.
 fn with_own(adds: &str) -> Catalogue {
     let mut diagnostics = Diagnostics::new();

@@ -2,13 +2,14 @@
 //!
 //! Each kind of effect is missing with probability 0.05 if the study does not say otherwise, at any of its places in this
 //! network alike, and so is physics that no kind describes: so the number of places is paid for. What is out of place, such
-//! as convection in vacuum, is less probable, and so is what needs something rare, such as a wet surface. A hidden node between two nodes that the model does not join is two things at
+//! as convection in vacuum, is less probable, and so is what needs something rare, such as a wet surface. Heat that was logged beside a model that does not use it is more probable. A hidden node between two nodes that the model does not join is two things at
 //! once, a path and a part. What changes at a date is the less probable the shorter the record is: hardware changes over weeks, not
 //! within the minutes of a bench test.
 
 use std::collections::BTreeMap;
 
 use crate::diagnosis::Problem;
+use crate::diagnosis::odds::logged_heat::{OfHeat, of_heat};
 use crate::diagnosis::odds::medium::{is_pressure, is_temperature, is_vacuum};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::ln;
@@ -24,6 +25,9 @@ pub(crate) const CURVE_COST: f64 = 3.0;
 /// Log odds by which an effect stands behind others where its physics is out of place: a twentieth, not nothing, as the
 /// model may say too little of where it is.
 const OUT_OF_PLACE: f64 = 3.0;
+/// Log odds by which heat in proportion to a logged power or irradiance stands before heat in proportion to another input, where the
+/// model uses that power or irradiance nowhere: it was logged for a reason. A convention.
+const LOGGED_HEAT: f64 = 1.5;
 
 /// Time in which a change at a date is as probable as another kind of effect, s: a day. A convention.
 const CHANGES_WITHIN_S: f64 = 86_400.0;
@@ -35,6 +39,8 @@ const LEAST_CHANGES: f64 = 0.01;
 pub struct PriorOdds {
     kinds: BTreeMap<String, f64>,
     vacuum: bool,
+    /// Of each candidate how its heat goes with a power or an irradiance that was logged.
+    of_heat: Vec<Option<OfHeat>>,
 }
 
 impl PriorOdds {
@@ -56,13 +62,17 @@ impl PriorOdds {
             ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
         };
         let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();
-        Self { kinds, vacuum: is_vacuum(problem) }
+        Self { kinds, vacuum: is_vacuum(problem), of_heat: of_heat(problem) }
     }
 
     /// Whether a candidate's physics is out of place: it needs a gas in vacuum, or something that any input may stand for
     /// is a pressure (heat moves through a gas between two temperatures; no pressure is a source of it), or of heat a
-    /// temperature (heat goes with the difference of two, which a path is; with one alone it is nearly constant).
+    /// temperature (heat goes with the difference of two, which a path is; with one alone it is nearly constant), or a power or an
+    /// irradiance with which it does not go in proportion.
     pub fn is_out_of_place(&self, problem: &Problem, candidate: usize) -> bool {
+        if self.of_heat.get(candidate) == Some(&Some(OfHeat::NotProportional)) {
+            return true;
+        }
         let candidate = &problem.candidates[candidate];
         let Some(effect) = problem.catalogue.get(&candidate.effect) else { return false };
         let is_heat = effect.form.adds.value.load.is_some() || effect.form.adds.value.curve.is_some();
@@ -81,7 +91,9 @@ impl PriorOdds {
             let odds = self.kinds.get(&problem.candidates[effect].effect)?;
             let place = if self.is_out_of_place(problem, effect) { OUT_OF_PLACE } else { 0.0 };
             let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
-            Some(odds + second - place)
+            let is_logged = self.of_heat.get(effect) == Some(&Some(OfHeat::ProportionalToUnused));
+            let logged = if is_logged { LOGGED_HEAT } else { 0.0 };
+            Some(odds + second + logged - place)
         };
         effects.iter().filter_map(one).sum()
     }

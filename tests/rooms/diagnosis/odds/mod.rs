@@ -1,3 +1,4 @@
+mod logged_heat;
 mod medium;
 mod narrow_prior;
 mod posterior_odds;

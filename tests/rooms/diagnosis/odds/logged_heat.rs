@@ -1,0 +1,41 @@
+//! Tests of `core/src/diagnosis/odds/logged_heat.rs`.
+
+use bmv::diagnosis::Problem;
+use bmv::diagnosis::odds::prior_odds::PriorOdds;
+use bmv::document::Diagnostics;
+use bmv::effect::{Bound, Catalogue};
+use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
+use std::sync::Arc;
+
+/// Log odds of an effect on an input at its first place, where the input has this unit.
+fn odds(problem: &Problem, effect: &str, input: usize, unit: &str) -> f64 {
+    let mut problem = problem.clone();
+    Arc::make_mut(&mut problem.model).inputs[input].unit = unit.to_owned();
+    let own = |own: &bmv::effect::Candidate| own.effect == effect && own.bound == [Bound::Input(input)];
+    let candidate = problem.candidates.iter().position(own).unwrap();
+    PriorOdds::new(&problem).of(&problem, &[candidate])
+}
+
+#[test]
+fn a_logged_power_that_the_model_does_not_use_is_a_likely_heat_and_its_square_is_none() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+    let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    // The heater is a load of this model; without its elements the model uses no input.
+    let mut without_loads = problem.clone();
+    Arc::make_mut(&mut without_loads.model).elements.clear();
+    let heater = problem.model.inputs.iter().position(|input| input.unit == "W").unwrap();
+    let gain = |problem: &Problem, effect: &str, unit: &str| {
+        odds(problem, effect, heater, unit) - odds(problem, effect, heater, "A")
+    };
+    for (unit, expected) in [("W", 1.5), ("kW", 1.5), ("W/m^2", 1.5), ("V", 0.0), ("m/s", 0.0)] {
+        let gained = gain(&without_loads, "input-proportional-load", unit);
+        assert!((gained - expected).abs() < 1e-12, "{unit}: {gained}");
+        assert_eq!(gain(&problem, "input-proportional-load", unit), 0.0, "{unit} that heats something already");
+    }
+    for problem in [&problem, &without_loads] {
+        assert!((gain(problem, "joule-heating", "W") + 3.0).abs() < 1e-12);
+        assert_eq!(gain(problem, "joule-heating", "V"), 0.0);
+        assert_eq!(gain(problem, "input-dependent-conductance", "W"), 0.0);
+    }
+}
