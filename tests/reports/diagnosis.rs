@@ -196,7 +196,7 @@ fn an_unexplained_misfit_is_not_contradicted_by_a_table() {
         rendered(&sample).markdown.replace('\u{A0}', " ")
     };
     let near = shown(0.004);
-    has(&near, &["None of them explains the misfit: a probability compares them with one another", "| 86.0 % |"]);
+    has(&near, &["half of each probability is given to what no effect describes, and the rest compares", "| 86.0 % |"]);
     has(&near, &["How sure: unexplained: p &lt; 1e-6", "nothing that was fitted explains enough of it"]);
     has(&shown(0.97), &["nearest; none of them explains the misfit.", "How sure: unexplained: 97.0 %"]);
 }

@@ -229,10 +229,10 @@ impl Gain {
     }
 }
 
-/// Whether an effect pays. The first effect must not let the errors on unseen rows rise; of a further one more is asked, as what it
-/// gains may be errors of the model, and the fitted rows must not speak against it.
+/// Whether an effect pays. The errors on unseen rows must fall, or not rise where the gain of the first effect is clear; of a further
+/// one more is asked, as what it gains may be errors of the model, and the fitted rows must not speak against it.
 pub fn pays_by(gain: Gain, is_first: bool, asked: AskedOfUnseen) -> bool {
-    let may_stay = is_first || asked == AskedOfUnseen::FallUnlessClear && gain.log_odds > CLEARLY;
+    let may_stay = (is_first || asked == AskedOfUnseen::FallUnlessClear) && gain.log_odds > CLEARLY;
     gain.log_odds > 0.0
         && (is_first || !gain.is_against_fitted())
         && if may_stay { !rises(gain.unseen) } else { falls(gain.unseen) }

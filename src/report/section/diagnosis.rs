@@ -207,8 +207,8 @@ fn effects(output: &Output) -> Option<Block> {
     let what = match output.verdict {
         Verdict::Adequate => Text::new("The effects that come nearest to what the noise leaves; none is needed."),
         Verdict::Unexplained if others.iter().any(|own| own.probability > output.probability_unexplained) => Text::new(
-            "The effects that come nearest. None of them explains the misfit: a probability compares them with one another, \
-             and says of none that it is enough.",
+            "The effects that come nearest. None of them explains the misfit: half of each probability is given to \
+             what no effect describes, and the rest compares them with one another.",
         ),
         Verdict::Unexplained => Text::new("The effects that come nearest; none of them explains the misfit."),
         _ => {

@@ -6,32 +6,16 @@ use crate::effect::Candidate;
 use crate::expression::{Symbol, Unit};
 use crate::thermal::{Input, Model};
 
-/// How an effect's heat goes with a power or an irradiance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum OfHeat {
-    /// In proportion to one that no heat of the model depends on.
-    ProportionalToUnused,
-    /// Not in proportion, as by the square: heat becomes no other amount of heat.
-    NotProportional,
-}
-
-/// Of each candidate how its heat goes with a power or an irradiance; `None` where it depends on none, or on another input too.
-pub(crate) fn of_heat(problem: &Problem) -> Vec<Option<OfHeat>> {
+/// Of each candidate whether it is heat in proportion to a power or an irradiance that no heat of the model depends on.
+pub(crate) fn are_of_unused_heat(problem: &Problem) -> Vec<bool> {
     let model = &problem.model;
     let unused = unused_heats(model);
-    let of = |candidate: &Candidate| {
-        let effect = problem.catalogue.get(&candidate.effect)?;
-        let [input] = candidate.inputs(model)[..] else { return None };
-        if !is_heat(&model.inputs[input]) || effect.form.adds.value.load.is_none() {
-            return None;
-        }
-        match (effect.is_proportional_load(), unused[input]) {
-            (true, true) => Some(OfHeat::ProportionalToUnused),
-            (true, false) => None,
-            (false, _) => Some(OfHeat::NotProportional),
-        }
+    let loads = problem.catalogue.effects().iter().filter(|effect| effect.is_proportional_load());
+    let loads: Vec<&str> = loads.map(|effect| effect.name.as_str()).collect();
+    let is_one = |own: &Candidate| {
+        loads.contains(&own.effect.as_str()) && own.inputs(model).into_iter().any(|input| unused[input])
     };
-    problem.candidates.iter().map(of).collect()
+    problem.candidates.iter().map(is_one).collect()
 }
 
 /// Of each input of a model whether it is a power or an irradiance that no heat in the model depends on; of no input of a model

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 
 use crate::diagnosis::Problem;
-use crate::diagnosis::odds::logged_heat::{OfHeat, of_heat};
+use crate::diagnosis::odds::logged_heat::are_of_unused_heat;
 use crate::diagnosis::odds::medium::{is_pressure, is_temperature, is_vacuum};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::ln;
@@ -39,8 +39,8 @@ const LEAST_CHANGES: f64 = 0.01;
 pub struct PriorOdds {
     kinds: BTreeMap<String, f64>,
     vacuum: bool,
-    /// Of each candidate how its heat goes with a power or an irradiance that was logged.
-    of_heat: Vec<Option<OfHeat>>,
+    /// Of each candidate whether it is heat in proportion to a logged power or irradiance that the model does not use.
+    are_of_unused_heat: Vec<bool>,
 }
 
 impl PriorOdds {
@@ -62,17 +62,13 @@ impl PriorOdds {
             ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
         };
         let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();
-        Self { kinds, vacuum: is_vacuum(problem), of_heat: of_heat(problem) }
+        Self { kinds, vacuum: is_vacuum(problem), are_of_unused_heat: are_of_unused_heat(problem) }
     }
 
     /// Whether a candidate's physics is out of place: it needs a gas in vacuum, or something that any input may stand for
     /// is a pressure (heat moves through a gas between two temperatures; no pressure is a source of it), or of heat a
-    /// temperature (heat goes with the difference of two, which a path is; with one alone it is nearly constant), or a power or an
-    /// irradiance with which it does not go in proportion.
+    /// temperature (heat goes with the difference of two, which a path is; with one alone it is nearly constant).
     pub fn is_out_of_place(&self, problem: &Problem, candidate: usize) -> bool {
-        if self.of_heat.get(candidate) == Some(&Some(OfHeat::NotProportional)) {
-            return true;
-        }
         let candidate = &problem.candidates[candidate];
         let Some(effect) = problem.catalogue.get(&candidate.effect) else { return false };
         let is_heat = effect.form.adds.value.load.is_some() || effect.form.adds.value.curve.is_some();
@@ -91,8 +87,7 @@ impl PriorOdds {
             let odds = self.kinds.get(&problem.candidates[effect].effect)?;
             let place = if self.is_out_of_place(problem, effect) { OUT_OF_PLACE } else { 0.0 };
             let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
-            let is_logged = self.of_heat.get(effect) == Some(&Some(OfHeat::ProportionalToUnused));
-            let logged = if is_logged { LOGGED_HEAT } else { 0.0 };
+            let logged = if self.are_of_unused_heat.get(effect) == Some(&true) { LOGGED_HEAT } else { 0.0 };
             Some(odds + second + logged - place)
         };
         effects.iter().filter_map(one).sum()

@@ -14,6 +14,7 @@ use crate::diagnosis::story::Story;
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::findings::{Findings, free, is_small_error};
 use crate::diagnosis::verdict::results::{detectable, misfit, models, noise, unseen};
+use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::{collinear, few_readings, still, trend, words};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
@@ -160,6 +161,11 @@ impl Diagnosis {
         if state.is_misspecified() && findings.selected == 0 {
             // A misfit is certain: what a model error takes up is unexplained unless it is smaller than the noise.
             verdict = if is_small_error(state) { Verdict::Adequate } else { Verdict::Unexplained };
+        }
+        if verdict == Verdict::Unexplained {
+            // What leaves too much explains nothing, however probable it is among what was fitted.
+            let effects = state.refits.iter().flat_map(|refit| &refit.effects);
+            findings.model_errors = effects.map(|&effect| (effect, IS_MODEL_ERROR)).collect();
         }
         let selected: Vec<String> =
             findings.in_order().into_iter().map(|effect| findings.id(effect).to_owned()).collect();

@@ -3,7 +3,7 @@
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum, may_be_vacuum};
 use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, StoryStep, Verdict};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
-use crate::diagnosis::story::rises;
+use crate::diagnosis::story::{falls, rises};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
     Likeness, asked_for, carried, level, onset, or_model_error, size, started, surprising, timed, too_narrow,
@@ -41,16 +41,23 @@ pub fn clearness(p: f64, false_alarm: f64) -> String {
     format!("that is a misfit ({}, the probability of one as clear as this where nothing is missing)", p_stated(p))
 }
 
-/// That the effect which the fitted rows want most fails on the held-out ones.
+/// That the effect which the fitted rows want most fails on the held-out ones, or gains nothing there.
 fn fails_on_held_out(findings: &Findings<'_>) -> Option<String> {
-    let step = findings.story.as_ref()?.steps.first()?;
+    let story = findings.story.as_ref()?;
+    let step = story.steps.first()?;
     let most = step.additions.first()?;
-    let [before, after] = [step.before, most.place].map(|place| findings.state.refits[place].rmse_held_out_k);
-    let (before, after) = before.zip(after).filter(|(before, after)| rises([Some(*before), Some(*after)]))?;
-    Some(format!(
-        "What the fitted rows want most, {}, fails on the held-out rows: their error goes from {before:.2} to {after:.2} K.",
-        findings.id(most.effect)
-    ))
+    let errors = [step.before, most.place].map(|place| findings.state.refits[place].rmse_held_out_k);
+    let (from_to, id) = (fall(errors)?, findings.id(most.effect));
+    if rises(errors) {
+        return Some(format!(
+            "What the fitted rows want most, {id}, fails on the held-out rows: their error goes from {from_to}."
+        ));
+    }
+    (story.refused.contains(&most.effect) && !falls(errors)).then(|| {
+        format!(
+            "What the fitted rows want most, {id}, hardly changes the error on the held-out rows, from {from_to}: it may only follow errors of the model."
+        )
+    })
 }
 
 /// That the most probable set leaves too much to be an explanation.
