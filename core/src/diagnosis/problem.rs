@@ -84,7 +84,7 @@ impl Problem {
 
     /// Priors of the baseline model's unknowns, in the order of `parameters`: standard normal ones of whitened coordinates.
     pub(crate) fn priors_of_unknowns(&self) -> Vec<Distribution> {
-        let mut priors: Vec<Distribution> = self.parameters.iter().map(|&at| self.priors[at].clone()).collect();
+        let mut priors: Vec<Distribution> = self.parameters.iter().map(|&at| self.priors[at]).collect();
         for &place in self.joint.iter().flat_map(JointPrior::places) {
             priors[place] = STANDARD;
         }
