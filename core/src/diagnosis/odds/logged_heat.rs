@@ -2,8 +2,9 @@
 //! power of a motor where it does not warm anything, so that heat in proportion to it is more probable than to another input.
 
 use crate::diagnosis::Problem;
+use crate::diagnosis::odds::medium::has_dimension;
 use crate::effect::Candidate;
-use crate::expression::{Symbol, Unit};
+use crate::expression::Symbol;
 use crate::thermal::{Input, Model};
 
 /// Of each candidate whether it is heat in proportion to a power or an irradiance that no heat of the model depends on.
@@ -37,6 +38,5 @@ fn unused_heats(model: &Model) -> Vec<bool> {
 
 /// Whether an input is a power or an irradiance.
 fn is_heat(input: &Input) -> bool {
-    let dimension = |unit: &str| Unit::parse(unit).ok().map(|unit| unit.dimension);
-    ["W", "W/m^2"].into_iter().any(|unit| dimension(&input.unit) == dimension(unit))
+    has_dimension(input, "W") || has_dimension(input, "W/m^2")
 }

@@ -23,7 +23,8 @@ pub(crate) fn is_temperature(input: &Input) -> bool {
     has_dimension(input, "K")
 }
 
-fn has_dimension(input: &Input, of_unit: &str) -> bool {
+/// Whether an input has the dimension of a unit.
+pub(crate) fn has_dimension(input: &Input, of_unit: &str) -> bool {
     let dimension = |unit: &str| Unit::parse(unit).ok().map(|unit| unit.dimension);
     dimension(&input.unit) == dimension(of_unit)
 }
