@@ -162,7 +162,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        47
+        48
     }
 
     fn identity(&self) -> Value {

@@ -115,9 +115,11 @@ pub struct Begin {
 /// Most steps of a descent.
 const MOST_STEPS: u64 = 60;
 /// Steps that gain less in log posterior density end it: sets differ by far more, and no estimate moves by a hundredth of its
-/// standard deviation; of transients, whose steps take a thousand times as long, by a twentieth.
+/// standard deviation; of transients, whose steps take a thousand times as long, by a twentieth, of long ones, whose
+/// derivatives are of fewer rows, by a fifth.
 const LEAST_GAIN: f64 = 1e-5;
 const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
+const LEAST_GAIN_OF_LONG_TRANSIENTS: f64 = 2e-2;
 /// Log evidence that a curve with a wider prior may lack beside the model error that is allowed for. Where it halves the errors, the
 /// model error that is left adds `n (ln 2 - 3/8)`: 10 where a record is worth 30 readings.
 const MAY_LACK: f64 = 6.0;
@@ -242,7 +244,11 @@ impl Problem {
         let mut settings = PointSettings {
             starts: begin.from_prior,
             most_iterations: MOST_STEPS,
-            least_gain: if self.has_transients() { LEAST_GAIN_OF_TRANSIENTS } else { LEAST_GAIN },
+            least_gain: match (self.has_transients(), fewer.is_some()) {
+                (false, _) => LEAST_GAIN,
+                (true, false) => LEAST_GAIN_OF_TRANSIENTS,
+                (true, true) => LEAST_GAIN_OF_LONG_TRANSIENTS,
+            },
             findings: false,
             least_log_likelihood: begin.least_log_likelihood,
             moments,

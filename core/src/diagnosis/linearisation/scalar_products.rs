@@ -1,6 +1,9 @@
 //! Scalar products of long columns, in a fixed order.
 
+use rayon::prelude::*;
+
 use crate::math::dense::dot_of_columns as dot;
+use crate::math::functions::sqrt;
 use crate::watch;
 
 /// `y += factor x`.
@@ -11,14 +14,21 @@ pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
     }
 }
 
-/// Takes from a column its components along orthonormal columns (one after the other in `basis`), twice, so that what is
-/// left is orthogonal to rounding even where little is left (Giraud, Langou & Rozloznik 2005).
+/// Takes from a column its components along orthonormal columns (one after the other in `basis`); where less than half of its
+/// square is left, twice, so that what is left is orthogonal to rounding (Daniel, Gragg, Kaufman & Stewart 1976; Giraud, Langou
+/// & Rozloznik 2005).
 pub(crate) fn project_out(column: &mut [f64], basis: &[f64]) {
-    for _ in 0..2 {
-        for q in basis.chunks_exact(column.len().max(1)) {
-            let along = dot(q, column);
-            add_scaled(column, -along, q);
-        }
+    let square = dot(column, column);
+    take_out(column, basis);
+    if !(2.0 * dot(column, column) > square) {
+        take_out(column, basis);
+    }
+}
+
+fn take_out(column: &mut [f64], basis: &[f64]) {
+    for q in basis.chunks_exact(column.len().max(1)) {
+        let along = dot(q, column);
+        add_scaled(column, -along, q);
     }
 }
 
@@ -61,6 +71,34 @@ pub(crate) fn orthonormal(columns: &[&[f64]], start: Vec<f64>, tolerance: f64) -
         basis.extend_from_slice(&column);
         chosen.push(index);
     }
+}
+
+/// Products of columns with one.
+pub(crate) fn products(columns: &[Vec<f64>], column: &[f64]) -> Vec<f64> {
+    columns.par_iter().map(|own| dot(own, column)).collect()
+}
+
+/// Products of columns with one another: of each those with the columns up to it.
+pub(crate) fn products_of_all(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let row = |place: usize| columns[..=place].iter().map(|other| dot(&columns[place], other)).collect();
+    (0..columns.len()).into_par_iter().map(row).collect()
+}
+
+/// What orthonormal columns of so many rows leave of others, which go on with zeros, scaled to length 1; nothing of those that
+/// keep less than a share of their square.
+pub(crate) fn remainders(columns: &[Vec<f64>], basis: &[f64], rows: usize, least_share: f64) -> Vec<Vec<f64>> {
+    let remainder = |column: &Vec<f64>| {
+        watch::check();
+        let mut column = column.clone();
+        column.resize(rows, 0.0);
+        let whole = dot(&column, &column);
+        project_out(&mut column, basis);
+        let square = dot(&column, &column);
+        let is_seen = square > least_share * whole && square.is_finite();
+        column.iter_mut().for_each(|value| *value /= sqrt(square));
+        is_seen.then_some(column)
+    };
+    columns.par_iter().filter_map(remainder).collect()
 }
 
 /// Coordinates of columns of length 1 in an orthonormal basis of their span, one column's after the other: the rows of the

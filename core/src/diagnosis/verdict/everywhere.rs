@@ -17,7 +17,9 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::diagnosis::engine::Diagnosis;
 use crate::diagnosis::linearisation::linear::Linear;
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal, project_out};
+use crate::diagnosis::linearisation::scalar_products::{
+    orthonormal, products, products_of_all, project_out, remainders,
+};
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::diagnosis::screening::score::SMALLEST_SHARE;
@@ -45,9 +47,12 @@ const NO_EIGENVALUE: f64 = 1e-10;
 
 /// Errors of the kinds of the catalogue, everywhere and small.
 pub struct Everywhere {
+    /// The directions `k`, of length 1.
+    columns: Vec<Vec<f64>>,
     /// Eigenvalues of `K`.
     values: Vec<f64>,
-    /// Its eigenvectors, one after the other.
+    /// Its eigenvectors, one after the other, as sums of so much of each direction: as columns they would take as much memory again,
+    /// and far more time.
     vectors: Vec<f64>,
 }
 
@@ -59,34 +64,25 @@ struct Seen {
 
 impl Everywhere {
     /// Of directions of one length, column by column, that are orthogonal to the free parameters.
-    pub fn new(columns: &[Vec<f64>], rows: usize) -> Self {
+    pub fn new(columns: Vec<Vec<f64>>) -> Self {
         let count = columns.len();
         if count == 0 {
             // A study may name curves alone; the decomposition knows no empty matrix.
-            return Self { values: Vec::new(), vectors: Vec::new() };
+            return Self { columns, values: Vec::new(), vectors: Vec::new() };
         }
-        let mut gram = DMatrix::zeros(count, count);
-        for i in 0..count {
-            for k in 0..=i {
-                let product = dot(&columns[i], &columns[k]) / count as f64;
-                (gram[(i, k)], gram[(k, i)]) = (product, product);
-            }
-        }
+        let products = products_of_all(&columns);
+        let gram = DMatrix::from_fn(count, count, |i, k| products[i.max(k)][i.min(k)] / count as f64);
         let eigen = SymmetricEigen::new(gram);
         let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
         let (mut values, mut vectors) = (Vec::new(), Vec::new());
         for (place, &value) in
             eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > NO_EIGENVALUE * largest)
         {
-            let mut vector = vec![0.0; rows];
             let scale = 1.0 / sqrt(value * count as f64);
-            for (k, column) in columns.iter().enumerate() {
-                add_scaled(&mut vector, scale * eigen.eigenvectors[(k, place)], column);
-            }
             values.push(value);
-            vectors.extend(vector);
+            vectors.extend((0..count).map(|k| scale * eigen.eigenvectors[(k, place)]));
         }
-        Self { values, vectors }
+        Self { columns, values, vectors }
     }
 
     /// Effective number of dimensions: as many equal eigenvalues have the same mean square for their sum.
@@ -97,8 +93,9 @@ impl Everywhere {
     }
 
     fn seen(&self, column: &[f64]) -> Seen {
+        let products = products(&self.columns, column);
         let along: Vec<f64> =
-            self.vectors.chunks_exact(column.len().max(1)).map(|vector| dot(vector, column)).collect();
+            self.vectors.chunks_exact(products.len().max(1)).map(|vector| dot(vector, &products)).collect();
         let rest = (dot(column, column) - dot(&along, &along)).max(0.0);
         Seen { along, rest }
     }
@@ -186,18 +183,7 @@ impl Diagnosis {
         let free: Vec<Vec<f64>> = (0..parameters).filter(is_free).map(of_parameter).collect();
         let columns: Vec<&[f64]> = free.iter().map(Vec::as_slice).collect();
         let (basis, _) = orthonormal(&columns, Vec::new(), DEPENDENT);
-        let remaining = |other: &Vec<f64>| {
-            let mut column = other.clone();
-            column.resize(linear.rows, 0.0);
-            let whole = dot(&column, &column);
-            project_out(&mut column, &basis);
-            let square = dot(&column, &column);
-            let is_seen = square > SMALLEST_SHARE * whole && square.is_finite();
-            column.iter_mut().for_each(|value| *value /= sqrt(square));
-            is_seen.then_some(column)
-        };
-        let others: Vec<Vec<f64>> = others.iter().filter_map(remaining).collect();
-        let everywhere = Everywhere::new(&others, linear.rows);
+        let everywhere = Everywhere::new(remainders(others, &basis, linear.rows, SMALLEST_SHARE));
         Ok(Beside { everywhere, basis, linear, likelihood, unknowns: without.unknowns.clone() })
     }
 

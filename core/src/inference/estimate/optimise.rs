@@ -85,6 +85,14 @@ const MOST_HOPELESS: u32 = 2;
 /// Share of the height above a known minimum within which the linear residuals must predict it to lead there.
 const SAME: f64 = 0.02;
 
+/// Least gain above which slopes are taken for rough, as those of a record that are found on fewer rows: near the minimum no step
+/// along them descends.
+pub const ROUGH: f64 = 1e-2;
+/// Times the least gain: steps that are predicted to gain less start so near a minimum that a parabola along them holds.
+const NEAR: f64 = 10.0;
+/// Least share of a step that is tried next where the whole did not descend.
+const LEAST_SHARE: f64 = 0.25;
+
 struct Linearised {
     residuals: Vec<f64>,
     jacobian: Vec<f64>,
@@ -132,6 +140,7 @@ pub fn minimise_beside<O: Objective>(
     known: Option<&Minimum>,
 ) -> Option<Minimum> {
     let is_costly = effort.least_gain > COSTLY;
+    let is_rough = effort.least_gain > ROUGH;
     let known = known.filter(|_| is_costly);
     let aim =
         if is_costly { known.map_or(effort.ceiling, |known| known.value.min(effort.ceiling)) } else { f64::INFINITY };
@@ -145,6 +154,8 @@ pub fn minimise_beside<O: Objective>(
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
     let mut hopeless = 0;
     let mut descends = false;
+    // The most that a step from here was predicted to gain.
+    let mut promised = 0.0_f64;
     let mut second_order = is_costly.then(|| SecondOrder::new(n));
     while iterations < effort.most_iterations && !converged {
         iterations += 1;
@@ -210,6 +221,7 @@ pub fn minimise_beside<O: Objective>(
             }
             at = next;
             x = trial;
+            promised = 0.0;
             let ratio = 2.0 * gain / predicted - 1.0;
             damping = (damping * (1.0 - ratio * ratio * ratio).max(1.0 / 3.0)).max(1e-20);
             growth = 2.0;
@@ -217,6 +229,13 @@ pub fn minimise_beside<O: Objective>(
             // Nothing to gain within rounding, or no room left for a shorter step.
             let least = f64::max(1e-15 * at.value.abs(), 1e-3 * effort.least_gain);
             converged = negligible || predicted <= least || damping > 1e30;
+            if is_rough {
+                // The parabola with this slope through the point that was tried. Damping alone would make any step's promise small.
+                let share = predicted / (2.0 * predicted - gain).max(predicted);
+                promised = promised.max(predicted);
+                converged |= promised <= NEAR * effort.least_gain && share * predicted < effort.least_gain;
+                damping /= share.max(LEAST_SHARE);
+            }
             damping *= growth;
             growth *= 2.0;
         }

@@ -29,7 +29,7 @@ fn one_large_effect_is_told_from_small_ones_everywhere() {
     for seed in 0..10 {
         let (columns, noise) = drawn(seed);
         let mut amplitudes = StreamKey::new(seed, "everywhere", "amplitudes").stream(0);
-        let everywhere = Everywhere::new(&columns, ROWS);
+        let everywhere = Everywhere::new(columns.clone());
         let one: Vec<f64> = noise.iter().zip(&columns[3]).map(|(noise, value)| noise + 30.0 * value).collect();
         let large = everywhere.log_bayes_factor(&one, &fitted(&columns[3], &one));
         // The random sum of the same square costs the volume of forty directions.
@@ -48,7 +48,7 @@ fn one_large_effect_is_told_from_small_ones_everywhere() {
 
 #[test]
 fn without_other_effects_nothing_is_everywhere() {
-    assert_eq!(Everywhere::new(&[], ROWS).dimensions(), 0.0);
+    assert_eq!(Everywhere::new(Vec::new()).dimensions(), 0.0);
 }
 
 /// With the covariance of the rows, inverted.
@@ -56,7 +56,7 @@ fn without_other_effects_nothing_is_everywhere() {
 fn the_likelihood_is_that_of_the_covariance() {
     let (columns, y) = drawn(5);
     let g = fitted(&columns[0], &y).iter().map(|value| 3.0 * value).collect::<Vec<f64>>();
-    let everywhere = Everywhere::new(&columns, ROWS);
+    let everywhere = Everywhere::new(columns.clone());
     let log = |size: f64, with: f64| {
         let covariance = nalgebra::DMatrix::from_fn(ROWS, ROWS, |i, k| {
             let of_others: f64 = columns.iter().map(|column| column[i] * column[k]).sum::<f64>() / 40.0;

@@ -217,3 +217,72 @@ fn the_curvature_of_large_residuals_is_learned_where_slopes_are_costly() {
     let (costly, cheap) = (descend(1.01 * COSTLY), descend(COSTLY));
     assert!(3 * costly <= 2 * cheap, "{costly} and {cheap}");
 }
+
+/// Ten readings on a line whose stated slopes are wrong by a few per cent, as those found on fewer rows of a record.
+struct RoughSlopes {
+    evaluations: usize,
+}
+
+impl RoughSlopes {
+    const ERROR: [f64; 2] = [1.04, 0.97];
+
+    fn at(x: &[f64], residuals: &mut [f64]) {
+        for (row, r) in residuals.iter_mut().enumerate() {
+            let place = row as f64 / 10.0;
+            *r = 100.0 * (x[0] * (1.0 - place) + x[1] * place + 0.1 * x[0] * x[1])
+                - if row % 2 == 0 { 80.0 } else { 20.0 };
+        }
+    }
+}
+
+impl Objective for RoughSlopes {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn rows(&self) -> usize {
+        10
+    }
+
+    fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64> {
+        self.evaluations += 1;
+        Self::at(x, residuals);
+        Some(0.0)
+    }
+
+    fn slopes(
+        &mut self,
+        x: &[f64],
+        residuals: &mut [f64],
+        jacobian: &mut [f64],
+        penalty_gradient: &mut [f64],
+    ) -> Option<f64> {
+        penalty_gradient.fill(0.0);
+        for row in 0..10 {
+            let place = row as f64 / 10.0;
+            jacobian[2 * row] = 100.0 * Self::ERROR[0] * (1.0 - place + 0.1 * x[1]);
+            jacobian[2 * row + 1] = 100.0 * Self::ERROR[1] * (place + 0.1 * x[0]);
+        }
+        self.value(x, residuals)
+    }
+}
+
+/// With wrong slopes the steps near the minimum do not descend. Their parabola says that there is nothing to gain any more.
+#[test]
+fn rough_slopes_end_a_descent_where_steps_gain_nothing() {
+    let mut objective = RoughSlopes { evaluations: 0 };
+    let bounds = Bounds { lower: vec![-10.0; 2], upper: vec![10.0; 2] };
+    let effort = Effort { most_iterations: 60, least_gain: 2e-2, ceiling: f64::INFINITY };
+    let minimum = minimise(&mut objective, &[0.1, 1.5], &bounds, effort).expect("a value");
+    // The minimum by a fine grid about it.
+    let value = |x: [f64; 2]| {
+        let mut residuals = [0.0; 10];
+        RoughSlopes::at(&x, &mut residuals);
+        0.5 * residuals.iter().map(|r| r * r).sum::<f64>()
+    };
+    let offsets = || (-200..=200).map(|step| f64::from(step) * 1e-4);
+    let near = offsets().flat_map(|a| offsets().map(move |b| (a, b)));
+    let least = near.map(|(a, b)| value([minimum.x[0] + a, minimum.x[1] + b])).fold(f64::INFINITY, f64::min);
+    assert!(minimum.converged && minimum.value - least < 0.2, "{} above", minimum.value - least);
+    assert!(objective.evaluations <= 14, "{} evaluations", objective.evaluations);
+}

@@ -78,14 +78,16 @@ impl Courses {
         let changes: Vec<Vec<Vec<f64>>> = (self.courses.iter().zip(&forcings))
             .map(|(course, forcing)| all.par_chunks(TOGETHER).map(|some| changes(course, forcing, some)).collect())
             .collect();
+        let shares: Vec<Vec<f64>> = self.courses.iter().map(shares).collect();
         let column = |position: usize| {
             let mut column = Vec::with_capacity(base.rows);
             column.resize(base.residuals.len(), 0.0);
             self.phases.column(base, all[position], &steady, &mut column);
-            for ((course, forcing), changes) in self.courses.iter().zip(&forcings).zip(&changes) {
+            for (((course, shares), forcing), changes) in self.courses.iter().zip(&shares).zip(&forcings).zip(&changes)
+            {
                 let count = TOGETHER.min(all.len() - position / TOGETHER * TOGETHER);
                 let own = (changes[position / TOGETHER].as_slice(), count, position % TOGETHER);
-                draw(base, course, forcing, all[position], own, &mut column);
+                draw(base, (course, shares), forcing, all[position], own, &mut column);
             }
             base.whitening.apply(&mut column)?;
             Ok(column)
@@ -144,10 +146,11 @@ fn changes(course: &Course, forcing: &Forcing, some: &[&Slopes]) -> Vec<f64> {
     changes
 }
 
-/// Draws what an amplitude does to the readings of a transient, from its changes: those of `count` amplitudes, its position.
+/// Draws what an amplitude does to the readings of a transient, whose rows are so far on between kept rows, from its changes: those
+/// of `count` amplitudes, its position.
 fn draw(
     base: &Base<'_>,
-    course: &Course,
+    (course, shares): (&Course, &[f64]),
     forcing: &Forcing,
     slopes: &Slopes,
     (changes, count, position): (&[f64], usize, usize),
@@ -162,10 +165,11 @@ fn draw(
         let change = |place: usize| changes[(sensor * kept + place) * count + position];
         for (place, ends) in course.kept.windows(2).enumerate() {
             let (from, to) = (change(place), change(place + 1));
-            let span = times_s[ends[1]] - times_s[ends[0]];
-            for row in ends[0]..=ends[1] {
-                values[row] = from + (to - from) * ((times_s[row] - times_s[ends[0]]) / span);
+            let (first, last) = (ends[0], ends[1]);
+            for (value, share) in values[first..last].iter_mut().zip(&shares[first..last]) {
+                *value = from + (to - from) * share;
             }
+            values[last] = to;
         }
         let direct = slopes.of_sensor(&of_model.name, of_model.quantity).and_then(|output| forcing.direct.get(&output));
         for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
@@ -176,6 +180,19 @@ fn draw(
             column[own.first + place] = values[row];
         }
     }
+}
+
+/// Of each row the share of the way from the kept row before it to the one after.
+fn shares(course: &Course) -> Vec<f64> {
+    let times_s = &course.inputs.times_s[..course.rows];
+    let mut shares = vec![0.0; course.rows];
+    for ends in course.kept.windows(2) {
+        let (from, span) = (times_s[ends[0]], times_s[ends[1]] - times_s[ends[0]]);
+        for row in ends[0]..ends[1] {
+            shares[row] = (times_s[row] - from) / span;
+        }
+    }
+    shares
 }
 
 /// Inputs of a row, as they hold at the start of the interval after it, or at the end of the one before.
