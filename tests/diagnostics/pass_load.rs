@@ -40,6 +40,25 @@ fn a_complete_study_resolves_to_si_and_indices() {
     assert_eq!(pass.model.inputs[1].range, Some([5.0, 8.0]));
 }
 
+/// Trajectories ask for gradients of all rows: where nothing is said, a long record takes one likelihood a draw.
+#[test]
+fn the_sampler_of_a_calibration_suits_the_length_of_its_record() {
+    let sampler = |rows: usize, settings: &str| {
+        let study = Study::transient();
+        let log: String = (0..rows).map(|row| format!("{},5,2{}.5\n", 60 * row, row % 7)).collect();
+        study.put("data/run.csv", format!("time [s],Q [W],box [degC]\n{log}"));
+        study.edit("pass-1.json", r#"{"data": ["balance"]}"#, settings);
+        let pass = study.load();
+        let Some(tuned) = pass.jobs[3].spec.get::<bmv::job::calibrate::Spec>() else { panic!("calibrate") };
+        (tuned.sampler, tuned.draws)
+    };
+    assert_eq!(sampler(199, "{}"), (Sampler::Nuts, 1000));
+    assert_eq!(sampler(200, "{}"), (Sampler::IndependenceMetropolis, 2000));
+    assert_eq!(sampler(200, r#"{"sampler": "nuts"}"#), (Sampler::Nuts, 1000));
+    // Only trajectories aim at an acceptance.
+    assert_eq!(sampler(200, r#"{"acceptance": 0.95}"#), (Sampler::Nuts, 1000));
+}
+
 #[test]
 fn jobs_have_their_defaults() {
     let pass = Study::new().load();

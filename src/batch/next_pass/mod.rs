@@ -31,8 +31,8 @@ use crate::document::written::read_document;
 use crate::document::{Diagnostic, Diagnostics, code, suggest};
 use crate::effect::Catalogue;
 
-use crate::job::calibrate::{MANY_DRAWS, Sampler};
-use crate::measurement::{Measurement, Rows, Sensor};
+use crate::job::calibrate::{MANY_DRAWS, Sampler, is_long};
+use crate::measurement::{Measurement, Sensor};
 use crate::study::discover::number;
 use crate::study::folder::Folder;
 use crate::study::inherit::folder_diagnostic_at;
@@ -290,10 +290,6 @@ fn jobs(own: Option<&Node>, parameters: &[&str], extended: &mut Vec<String>) -> 
     jobs
 }
 
-/// Rows of a transient from which a calibration that is added takes one likelihood a draw: trajectories take several gradients
-/// of all rows for each, and the posterior of so many rows is nearly normal.
-const LONG_RECORD: usize = 200;
-
 /// Adds the jobs by which a pass's error is stated, as far as the parent has none of the kind: a calibration and a comparison,
 /// on the data of the diagnosis.
 fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> Vec<(String, &'static str)> {
@@ -303,8 +299,7 @@ fn add_judges(pass: &Pass, diagnosis: &str, jobs: &mut Vec<(String, Item)>) -> V
         data.into_iter().flatten().filter_map(|&position| pass.measurements.get(position)).collect();
     let names = data.iter().map(|measurement| Item::text(&measurement.name)).collect();
     let settings = vec![("data".to_owned(), Item::List(names))];
-    let rows = data.iter().filter(|own| matches!(own.rows, Rows::Transient { .. })).map(|own| own.len());
-    let is_long = rows.sum::<usize>() >= LONG_RECORD;
+    let is_long = is_long(data.iter().copied());
     let is_inferred = |sensor: &Sensor| sensor.bias.as_ref().is_some_and(|bias| bias.prior().is_some());
     // A calibration of a model without derivatives has no trajectories.
     let has_offsets = pass.external.is_none() && data.iter().any(|own| own.sensors.iter().any(is_inferred));

@@ -10,7 +10,8 @@ written_struct! {
         optional data: Vec<Spanned<String>>,
         /// Parameters; all whose prior is not fixed where they are left out.
         optional parameters: Vec<Spanned<String>>,
-        /// How the posterior is sampled, `nuts` where it is left out.
+        /// How the posterior is sampled. Where it is left out: `nuts`, and `independence-metropolis` where the transients have 200
+        /// rows or more and no `acceptance` is stated.
         optional sampler: Sampler,
         /// Number of chains (of islands for `smc`), 4 where it is left out.
         optional chains: Spanned<u64>,

@@ -31,7 +31,7 @@ pub use output::{
 };
 pub use remedy::{MANY_DRAWS, Remedy};
 pub use run::{Calibrate, Inputs};
-pub use sampler::Sampler;
+pub use sampler::{Sampler, is_long};
 pub(in crate::job) use summary::Weighted;
 pub(in crate::job) use words::objections;
 

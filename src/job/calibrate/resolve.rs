@@ -1,7 +1,7 @@
 //! Calibrations: settings with their defaults, names looked up.
 
 use super::form::CalibrateForm;
-use super::{Sampler, Spec};
+use super::{Sampler, Spec, is_long};
 use crate::document::{Spanned, code};
 use crate::study::job::{Entry, JobSpec};
 use crate::study::resolve::chosen::{data, parameters_or_all};
@@ -22,6 +22,12 @@ pub(super) fn resolve(scope: &mut Scope, entry: &Entry, form: &CalibrateForm, of
     let (data, missing) = data(scope, entry, form.data.as_ref(), "calibrate on", offered);
     let parameters = parameters_or_all(scope, form.parameters.as_ref(), offered.priors);
     let usual = match scope.resolved.derivatives() {
+        // Only trajectories aim at an acceptance.
+        None | Some(Derivatives::Served)
+            if form.acceptance.is_none() && is_long(data.iter().filter_map(|&at| offered.data.get(at))) =>
+        {
+            Sampler::IndependenceMetropolis
+        }
         None | Some(Derivatives::Served) => Sampler::Nuts,
         // Trajectories would ask for many differences.
         Some(_) => Sampler::AdaptiveMetropolis,

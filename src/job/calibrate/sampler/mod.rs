@@ -14,6 +14,7 @@ use crate::inference::sampler::chains::{Chain, SampleError};
 use crate::inference::sampler::parts::Parts;
 use crate::job::stored::Block;
 use crate::job::{self, JobError};
+use crate::measurement::{Measurement, Rows};
 
 /// A way to sample the posterior.
 pub(super) trait Method: Sync {
@@ -131,6 +132,16 @@ impl Sampler {
     fn names() -> Vec<&'static str> {
         Self::ALL.iter().map(|sampler| sampler.name()).collect()
     }
+}
+
+/// Rows of transients from which one likelihood a draw is spent: trajectories take several gradients of all rows for each, and
+/// the posterior of so many rows is nearly normal.
+const LONG_RECORD: usize = 200;
+
+/// Whether the transients among measurements have so many rows that `independence-metropolis` samples where nothing is said.
+pub fn is_long<'a>(measurements: impl Iterator<Item = &'a Measurement>) -> bool {
+    let transients = measurements.filter(|own| matches!(own.rows, Rows::Transient { .. }));
+    transients.map(Measurement::len).sum::<usize>() >= LONG_RECORD
 }
 
 /// What a name in a file stands for, in messages.
