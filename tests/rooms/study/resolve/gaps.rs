@@ -12,3 +12,17 @@ fn a_gap_is_far_longer_than_the_usual_distance() {
     assert_eq!(gaps(&times), [[4800.0, 26_460.0]]);
     assert!(gaps(&[]).is_empty() && gaps(&[1.0]).is_empty() && gaps(&[0.0, 5.0]).is_empty());
 }
+
+#[test]
+fn rows_that_get_rarer_have_no_gaps() {
+    // Even in the logarithm of time, as instruments log a cooling after a step; and from seconds to minutes at once.
+    let cooling: Vec<f64> = std::iter::successors(Some(1e-6), |last| Some(1.1 * last)).take(200).collect();
+    assert!(gaps(&cooling).is_empty());
+    let mut slower: Vec<f64> = (0..300).map(f64::from).collect();
+    slower.extend((1..50).map(|row| 299.0 + 60.0 * f64::from(row)));
+    assert!(gaps(&slower).is_empty());
+    // A single row between two gaps is in neither.
+    let mut two: Vec<f64> = (0..100).map(f64::from).collect();
+    two.extend([500.0, 1000.0, 1001.0, 1002.0, 1003.0]);
+    assert_eq!(gaps(&two), [[99.0, 500.0], [500.0, 1000.0]]);
+}
