@@ -83,6 +83,14 @@ impl<'a> Fields<'a> {
 /// The one entry of a choice. Used by `written_choice!`.
 pub fn one_kind<'a>(node: &'a Node, kinds: &[&str], what: &str, diagnostics: &mut Diagnostics) -> Option<&'a Entry> {
     let expected = || format!("an object with one key of {}", suggest::listed(kinds.iter().copied(), 20));
+    if let Value::String(kind) = &node.value
+        && kinds.contains(&kind.as_str())
+    {
+        let message = format!("{what} is an object, and this is a string");
+        let diagnostic = Diagnostic::error(&code::ONE_KIND, &node.place, message).expected(expected());
+        diagnostics.push(diagnostic.help(format!("the kind is a key: {{\"{kind}\": {{}}}}")));
+        return None;
+    }
     let Value::Object(entries) = &node.value else { return wrong_type(node, &expected(), diagnostics) };
     match entries.as_slice() {
         [one] if kinds.contains(&one.key.as_str()) => Some(one),
@@ -104,6 +112,13 @@ pub fn one_kind<'a>(node: &'a Node, kinds: &[&str], what: &str, diagnostics: &mu
             let named = several.iter().find(|e| matches!(e.key.as_str(), "kind" | "type"));
             if let Some(Value::String(kind)) = named.map(|e| &e.node.value) {
                 diagnostic = diagnostic.help(format!("the kind is the key: {{\"{kind}\": ...}}"));
+            }
+            let (own, others): (Vec<&Entry>, Vec<&Entry>) =
+                several.iter().partition(|entry| kinds.contains(&entry.key.as_str()));
+            if let ([kind], [_, ..]) = (own.as_slice(), others.as_slice()) {
+                let names = suggest::listed(others.iter().map(|entry| entry.key.as_str()), 20);
+                diagnostic =
+                    diagnostic.help(format!("move {names} into `{}`, or leave out what is not of it", kind.key));
             }
             diagnostics.push(diagnostic);
             None

@@ -88,3 +88,19 @@ fn the_schema_says_the_same() {
     assert_eq!(schema["$defs"]["Colour"]["oneOf"][1]["const"], "light-blue");
     assert_eq!(schema["$defs"]["Shape"]["oneOf"][0]["required"][0], "round");
 }
+
+#[test]
+fn a_choice_that_is_no_object_or_has_strangers_is_mended_by_its_help() {
+    let help = |text: &str| {
+        let mut diagnostics = Diagnostics::new();
+        let node = json::parse(&Source::new("shape.json", text), &mut diagnostics).expect("JSON");
+        assert!(Shape::read(&node, &mut diagnostics).is_none());
+        let reported = diagnostics.plain().into_iter().next().expect("one error");
+        (reported.code, reported.help.unwrap_or_default())
+    };
+    let of = |code: &str, help: &str| (code.to_owned(), help.to_owned());
+    assert_eq!(help(r#""round""#), of("one-kind", r#"the kind is a key: {"round": {}}"#));
+    let strangers = help(r#"{"round": 1, "colour": "red", "weight": 2}"#);
+    assert_eq!(strangers, of("one-kind", "move `colour` and `weight` into `round`, or leave out what is not of it"));
+    assert_eq!(help(r#""oval""#).0, "wrong-type");
+}
