@@ -106,12 +106,24 @@ fn where_it_fails(output: &Output) -> Vec<Block> {
         ));
     }
     if output.fails.is_empty() {
-        blocks.push(Block::callout(Tone::Verdict, "The comparison finds no place where the model fails."));
+        blocks.push(Block::callout(Tone::Verdict, nowhere(output)));
     } else {
         blocks.push(Block::paragraph("Where the model fails, worst first:"));
         blocks.push(Block::List(output.fails.iter().map(|finding| Text::with_names(finding)).collect()));
     }
     blocks
+}
+
+/// Says that no reading is beyond what was asked of it; which is little where the noise is not known.
+fn nowhere(output: &Output) -> String {
+    let is_unjudged = |sensor: &SensorSummary| sensor.noise_rmse_of(&sensor.train).is_none();
+    match output.criteria.each_k {
+        Some(limit) if output.sensors.iter().any(is_unjudged) => format!(
+            "No reading is more than {} K from its prediction. Where the noise of a sensor is not stated, smaller errors are not judged here; `bmv diagnose` weighs them.",
+            significant(limit, 3)
+        ),
+        _ => "The comparison finds no place where the model fails.".to_owned(),
+    }
 }
 
 fn criteria(output: &Output) -> Option<Block> {
