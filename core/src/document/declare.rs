@@ -88,7 +88,7 @@ pub fn one_kind<'a>(node: &'a Node, kinds: &[&str], what: &str, diagnostics: &mu
     {
         let message = format!("{what} is an object, and this is a string");
         let diagnostic = Diagnostic::error(&code::ONE_KIND, &node.place, message).expected(expected());
-        diagnostics.push(diagnostic.help(format!("the kind is a key: {{\"{kind}\": {{}}}}")));
+        diagnostics.push(diagnostic.help(format!("the kind is a key: {{\"{kind}\": ...}}")));
         return None;
     }
     let Value::Object(entries) = &node.value else { return wrong_type(node, &expected(), diagnostics) };
@@ -117,8 +117,12 @@ pub fn one_kind<'a>(node: &'a Node, kinds: &[&str], what: &str, diagnostics: &mu
                 several.iter().partition(|entry| kinds.contains(&entry.key.as_str()));
             if let ([kind], [_, ..]) = (own.as_slice(), others.as_slice()) {
                 let names = suggest::listed(others.iter().map(|entry| entry.key.as_str()), 20);
-                diagnostic =
-                    diagnostic.help(format!("move {names} into `{}`, or leave out what is not of it", kind.key));
+                diagnostic = diagnostic.help(match kind.node.value {
+                    Value::Object(_) => {
+                        format!("move {names} into `{}`, or leave out what does not belong there", kind.key)
+                    }
+                    _ => format!("leave out {names}"),
+                });
             }
             diagnostics.push(diagnostic);
             None

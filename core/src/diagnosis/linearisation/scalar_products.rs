@@ -84,8 +84,8 @@ pub(crate) fn products_of_all(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     (0..columns.len()).into_par_iter().map(row).collect()
 }
 
-/// What orthonormal columns of so many rows leave of others, which go on with zeros, scaled to length 1; nothing of those that
-/// keep less than a share of their square.
+/// What is left of columns without their components along an orthonormal basis, scaled to length 1. The basis has so many rows; the
+/// columns may end before and are 0 then. Those that keep less than a share of their square are left out.
 pub(crate) fn remainders(columns: &[Vec<f64>], basis: &[f64], rows: usize, least_share: f64) -> Vec<Vec<f64>> {
     let remainder = |column: &Vec<f64>| {
         watch::check();

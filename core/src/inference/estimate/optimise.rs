@@ -90,7 +90,9 @@ const SAME: f64 = 0.02;
 pub const ROUGH: f64 = 1e-2;
 /// Times the least gain: steps that are predicted to gain less start so near a minimum that a parabola along them holds.
 const NEAR: f64 = 10.0;
-/// Least share of a step that is tried next where the whole did not descend.
+/// Damping that is none.
+const UNDAMPED: f64 = 1e-12;
+/// One over the most by which damping grows, besides its usual growth, where the lowest point of the parabola is near.
 const LEAST_SHARE: f64 = 0.25;
 
 struct Linearised {
@@ -154,8 +156,8 @@ pub fn minimise_beside<O: Objective>(
     let (mut iterations, mut converged, mut small_gains) = (0, false, 0);
     let mut hopeless = 0;
     let mut descends = false;
-    // The most that a step from here was predicted to gain.
-    let mut promised = 0.0_f64;
+    // Steps from here that did not descend, and what one without damping was predicted to gain.
+    let (mut rejected, mut promised) = (0, 0.0);
     let mut second_order = is_costly.then(|| SecondOrder::new(n));
     while iterations < effort.most_iterations && !converged {
         iterations += 1;
@@ -187,7 +189,7 @@ pub fn minimise_beside<O: Objective>(
         }
         // Rounding must not take a step to a bound beyond it.
         let trial: Vec<f64> = (0..n).map(|i| (x[i] + step[i]).max(bounds.lower[i]).min(bounds.upper[i])).collect();
-        if is_costly && predicted < effort.least_gain {
+        if is_costly && predicted < effort.least_gain && (rejected == 0 || !is_rough) {
             // So near that the linear model tells what is there.
             at.advance(&step, predicted);
             x = trial;
@@ -221,7 +223,7 @@ pub fn minimise_beside<O: Objective>(
             }
             at = next;
             x = trial;
-            promised = 0.0;
+            rejected = 0;
             let ratio = 2.0 * gain / predicted - 1.0;
             damping = (damping * (1.0 - ratio * ratio * ratio).max(1.0 / 3.0)).max(1e-20);
             growth = 2.0;
@@ -230,11 +232,19 @@ pub fn minimise_beside<O: Objective>(
             let least = f64::max(1e-15 * at.value.abs(), 1e-3 * effort.least_gain);
             converged = negligible || predicted <= least || damping > 1e30;
             if is_rough {
-                // The parabola with this slope through the point that was tried. Damping alone would make any step's promise small.
-                let share = predicted / (2.0 * predicted - gain).max(predicted);
-                promised = promised.max(predicted);
-                converged |= promised <= NEAR * effort.least_gain && share * predicted < effort.least_gain;
-                damping /= share.max(LEAST_SHARE);
+                if rejected == 0 {
+                    // Damping makes any step's promise small.
+                    let whole = damped_step(&at, &free, &scale, UNDAMPED, &x, bounds);
+                    promised = whole.map_or(f64::INFINITY, |(_, predicted)| predicted);
+                }
+                rejected += 1;
+                if value.is_finite() {
+                    // The parabola with this slope through the point that was tried.
+                    let along = -at.gradient.iter().zip(&step).map(|(g, s)| g * s).sum::<f64>();
+                    let share = 0.5 * along / (along - gain);
+                    converged |= promised <= NEAR * effort.least_gain && 0.5 * share * along < effort.least_gain;
+                    damping /= share.clamp(LEAST_SHARE, 1.0);
+                }
             }
             damping *= growth;
             growth *= 2.0;

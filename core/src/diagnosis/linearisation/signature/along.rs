@@ -146,8 +146,8 @@ fn changes(course: &Course, forcing: &Forcing, some: &[&Slopes]) -> Vec<f64> {
     changes
 }
 
-/// Draws what an amplitude does to the readings of a transient, whose rows are so far on between kept rows, from its changes: those
-/// of `count` amplitudes, its position.
+/// Draws what an amplitude does to the readings of a transient: its changes on kept rows, which are given with those of `count`
+/// amplitudes and its position among these, straight to the rows in between by their shares of the way.
 fn draw(
     base: &Base<'_>,
     (course, shares): (&Course, &[f64]),
