@@ -12,7 +12,6 @@ use crate::document::{counted, time};
 use crate::report::number::significant;
 use crate::statistics::noise::noise;
 use crate::statistics::quantile::{quantile_sorted, sorted};
-use crate::study::resolve::gaps::gaps;
 
 /// Standard deviations of a sensor's noise by which it changes between two rows where these are far apart.
 const COARSE: f64 = 20.0;
@@ -190,8 +189,8 @@ pub fn propose(record: &Record, known: &Known, said: &Said, file: &str) -> Resul
             );
         }
     }
-    let longest = gaps(&record.times_s).into_iter().map(|[from, to]| to - from).reduce(f64::max);
-    if let Some(longest) = longest {
+    let longest = record.times_s.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    if longest > LONG_GAP * usual_step(record) {
         let gap = significant(longest, 3);
         // A number of JSON, whatever its size.
         let limit = (LONG_GAP * usual_step(record)).ceil();

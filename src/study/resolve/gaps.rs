@@ -8,7 +8,7 @@ use super::scope::Scope;
 
 /// Times the usual distance between rows from which one is a gap.
 const LONGER: f64 = 20.0;
-/// Times the distances of the rows before it, and of those after it, from which one is a gap: rows that get rarer, as those of a
+/// Times the shortest of the distances before it, and of those after it, from which one is a gap: rows that get rarer, as those of a
 /// cooling after a step that are spaced evenly in the logarithm of time, have none.
 const LONGER_THAN_BESIDE: f64 = 4.0;
 /// Distances before and after that are asked.
@@ -47,22 +47,23 @@ pub(super) fn doubts(scope: &mut Scope, measurement: &mut Measurement, place: &P
 /// The gaps between ascending instants, each with its ends.
 pub fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
     let steps: Vec<f64> = times_s.windows(2).map(|two| two[1] - two[0]).collect();
-    let (Some(usual), Some(first), Some(last)) = (median(&steps), times_s.first(), times_s.last()) else {
+    let mut ascending = steps.clone();
+    ascending.sort_by(f64::total_cmp);
+    let (Some(&usual), Some(first), Some(last)) = (ascending.get(steps.len() / 2), times_s.first(), times_s.last())
+    else {
         return Vec::new();
     };
     let least = (LONGER * usual).max(LEAST_SHARE * (last - first));
     let stands_out = |place: usize| {
         let (before, after) = (&steps[place.saturating_sub(BESIDE)..place], &steps[place + 1..]);
-        let beside = [before, &after[..BESIDE.min(after.len())]];
-        beside.into_iter().filter_map(median).all(|beside| steps[place] > LONGER_THAN_BESIDE * beside)
+        let shortest = |beside: &[f64]| beside.iter().copied().reduce(f64::min);
+        match (shortest(before), shortest(&after[..BESIDE.min(after.len())])) {
+            (Some(before), Some(after)) => steps[place] > LONGER_THAN_BESIDE * before.max(after),
+            // At an end nothing on the other side says that rows get rarer.
+            (Some(beside), None) | (None, Some(beside)) => steps[place] > LONGER * beside,
+            (None, None) => false,
+        }
     };
     let is_gap = |place: &usize| steps[*place] > least && stands_out(*place);
     (0..steps.len()).filter(is_gap).map(|place| [times_s[place], times_s[place + 1]]).collect()
-}
-
-/// The upper median of distances; none of none.
-fn median(steps: &[f64]) -> Option<f64> {
-    let mut steps = steps.to_vec();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied()
 }
