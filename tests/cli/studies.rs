@@ -90,6 +90,27 @@ fn run_has_a_line_for_a_pass_of_which_nothing_ran() {
 }
 
 #[test]
+fn a_comparison_says_of_which_sensors_little_was_asked() {
+    let root = plate();
+    let said = |sensor: &str| {
+        let pass = PASS.replace(r#", "sigma": {"value": 0.5, "unit": "K"}}"#, sensor);
+        assert_ne!(pass, PASS);
+        fs::write(root.path().join("plate/pass-1.json"), pass).unwrap();
+        printed(root.path(), &["compare", "plate/pass-1.json"]).split_whitespace().collect::<Vec<&str>>().join(" ")
+    };
+    let nowhere = "The comparison finds no place where the model fails.";
+    let unstated = said("}");
+    assert!(
+        unstated.contains(&format!(
+            "{nowhere} Of `plate` that means no reading more than 3 K from its prediction: their noise"
+        )),
+        "{unstated}"
+    );
+    let stated = said(r#", "sigma": {"value": 5, "unit": "K"}}"#);
+    assert!(stated.contains(nowhere) && !stated.contains("that means"), "{stated}");
+}
+
+#[test]
 fn compare_reads_from_the_verdict_to_the_heat_balance() {
     let root = plate();
     insta::assert_snapshot!(printed(root.path(), &["compare", "plate/pass-1.json"]), @r#"

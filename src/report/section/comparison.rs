@@ -4,8 +4,11 @@ mod at_nodes;
 mod brief;
 mod figures;
 
+use std::collections::BTreeSet;
+
 use crate::document::counted;
-use crate::job::compare::{Deviation, Kind, Output, SensorSummary};
+use crate::document::suggest::listed;
+use crate::job::compare::{Deviation, KELVIN, Kind, Output, SensorSummary};
 use crate::measurement::Rows;
 use crate::report::number::{
     NONE, Shown, as_given, fixed, percent, signed, significant, stated, typeset, with_error, with_unit,
@@ -21,6 +24,9 @@ pub(super) use figures::{Shows, phase_map, time_history};
 
 /// Readings up to which the table of all of them is part of the report.
 const MOST_ROWS: usize = 300;
+
+/// Names that a sentence lists.
+const NAMED: usize = 6;
 
 /// Sensors up to which all stand in the table; of more the worst ones do.
 const MOST_SENSORS: usize = 24;
@@ -114,16 +120,32 @@ fn where_it_fails(output: &Output) -> Vec<Block> {
     blocks
 }
 
-/// Says that no reading is beyond what was asked of it; which is little where the noise is not known.
+/// Says that the model fails nowhere, and of which sensors that says little, as their noise is not stated.
 fn nowhere(output: &Output) -> String {
-    let is_unjudged = |sensor: &SensorSummary| sensor.noise_rmse_of(&sensor.train).is_none();
-    match output.criteria.each_k {
-        Some(limit) if output.sensors.iter().any(is_unjudged) => format!(
-            "No reading is more than {} K from its prediction. Where the noise of a sensor is not stated, smaller errors are not judged here; `bmv diagnose` weighs them.",
-            significant(limit, 3)
-        ),
-        _ => "The comparison finds no place where the model fails.".to_owned(),
+    let is_unjudged = |sensor: &&SensorSummary| sensor.noise_rmse.is_none();
+    let (in_kelvin, others): (Vec<&SensorSummary>, Vec<&SensorSummary>) =
+        output.sensors.iter().filter(is_unjudged).partition(|sensor| sensor.unit == KELVIN);
+    let (within, unasked) = match output.criteria.each_k {
+        Some(limit) if !in_kelvin.is_empty() => (Some((limit, in_kelvin)), others),
+        _ => (None, in_kelvin.into_iter().chain(others).collect()),
+    };
+    let names = |sensors: &[&SensorSummary]| {
+        let names: BTreeSet<&str> = sensors.iter().map(|sensor| sensor.sensor.as_str()).collect();
+        listed(names, NAMED)
+    };
+    let mut sentences = vec!["The comparison finds no place where the model fails.".to_owned()];
+    if let Some((limit, sensors)) = within {
+        sentences.push(format!(
+            "Of {} that means no reading more than {} K from its prediction: their noise is not stated, so that smaller errors are \
+             not judged here. `bmv diagnose` weighs them.",
+            names(&sensors),
+            limit
+        ));
     }
+    if !unasked.is_empty() {
+        sentences.push(format!("Nothing is asked of {}: neither noise nor a limit is stated.", names(&unasked)));
+    }
+    sentences.join(" ")
 }
 
 fn criteria(output: &Output) -> Option<Block> {
