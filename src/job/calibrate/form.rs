@@ -10,8 +10,8 @@ written_struct! {
         optional data: Vec<Spanned<String>>,
         /// Parameters; all whose prior is not fixed where they are left out.
         optional parameters: Vec<Spanned<String>>,
-        /// How the posterior is sampled. Where it is left out: `nuts`, and `independence-metropolis` where the transients have 200
-        /// rows or more and no `acceptance` is stated.
+        /// How the posterior is sampled. Where it is left out: `adaptive-metropolis` for a model without derivatives;
+        /// `independence-metropolis` for transients of 200 rows or more, unless an `acceptance` is stated; `nuts` for all others.
         optional sampler: Sampler,
         /// Number of chains (of islands for `smc`), 4 where it is left out.
         optional chains: Spanned<u64>,
