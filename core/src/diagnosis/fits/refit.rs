@@ -115,10 +115,11 @@ pub struct Begin {
 /// Most steps of a descent.
 const MOST_STEPS: u64 = 60;
 /// Steps that gain less in log posterior density end it: sets differ by far more, and no estimate moves by a hundredth of its
-/// standard deviation; of transients, whose steps take a thousand times as long, by a twentieth, of long ones, whose
-/// derivatives are of fewer rows, by a fifth, and by two thirds where no step along these descends any more.
+/// standard deviation.
 const LEAST_GAIN: f64 = 1e-5;
+/// The same of transients, whose steps take a thousand times as long: a twentieth of a standard deviation.
 const LEAST_GAIN_OF_TRANSIENTS: f64 = 1e-3;
+/// The same of long ones, whose derivatives are of fewer rows: a fifth; two thirds where no step along these descends any more.
 const LEAST_GAIN_OF_LONG_TRANSIENTS: f64 = 2e-2;
 /// Log evidence that a curve with a wider prior may lack beside the model error that is allowed for. Where it halves the errors, the
 /// model error that is left adds `n (ln 2 - 3/8)`: 10 where a record is worth 30 readings.

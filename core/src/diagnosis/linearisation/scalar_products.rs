@@ -84,8 +84,8 @@ pub(crate) fn products_of_all(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     (0..columns.len()).into_par_iter().map(row).collect()
 }
 
-/// What is left of columns without their components along an orthonormal basis, scaled to length 1. The basis has so many rows; the
-/// columns may end before and are 0 then. Those that keep less than a share of their square are left out.
+/// What is left of columns without their components along an orthonormal basis of `rows` rows, scaled to length 1. Shorter columns go
+/// on with zeros. Columns that keep less than `least_share` of their square are left out.
 pub(crate) fn remainders(columns: &[Vec<f64>], basis: &[f64], rows: usize, least_share: f64) -> Vec<Vec<f64>> {
     let remainder = |column: &Vec<f64>| {
         watch::check();

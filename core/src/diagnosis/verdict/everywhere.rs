@@ -51,8 +51,8 @@ pub struct Everywhere {
     columns: Vec<Vec<f64>>,
     /// Eigenvalues of `K`.
     values: Vec<f64>,
-    /// Its eigenvectors, one after the other, as sums of so much of each direction: as columns they would take as much memory again,
-    /// and far more time.
+    /// Its eigenvectors, one after the other, as coefficients of the directions: written out by rows they would take as much memory
+    /// as these, and far more time.
     vectors: Vec<f64>,
 }
 

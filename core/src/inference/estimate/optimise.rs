@@ -88,11 +88,11 @@ const SAME: f64 = 0.02;
 /// Least gain above which slopes are taken for rough, as those of a record that are found on fewer rows: near the minimum no step
 /// along them descends.
 pub const ROUGH: f64 = 1e-2;
-/// Times the least gain: steps that are predicted to gain less start so near a minimum that a parabola along them holds.
+/// Times the least gain: an undamped step that is predicted to gain less starts so near a minimum that a parabola holds along it.
 const NEAR: f64 = 10.0;
-/// Damping that is none.
+/// So small a damping that it shortens no step.
 const UNDAMPED: f64 = 1e-12;
-/// One over the most by which damping grows, besides its usual growth, where the lowest point of the parabola is near.
+/// The nearer the lowest point of the parabola, as a share of the step, the more damping grows; below this share no more.
 const LEAST_SHARE: f64 = 0.25;
 
 struct Linearised {

@@ -146,8 +146,8 @@ fn changes(course: &Course, forcing: &Forcing, some: &[&Slopes]) -> Vec<f64> {
     changes
 }
 
-/// Draws what an amplitude does to the readings of a transient: its changes on kept rows, which are given with those of `count`
-/// amplitudes and its position among these, straight to the rows in between by their shares of the way.
+/// Draws what an amplitude does to the readings of a transient: straight between its changes on kept rows. `changes` holds those of
+/// `count` amplitudes, `position` is its place among them, `shares` how far each row lies on the way to the next kept one.
 fn draw(
     base: &Base<'_>,
     (course, shares): (&Course, &[f64]),
