@@ -13,6 +13,7 @@
 
 use crate::diagnosis::Linear;
 use crate::diagnosis::linearisation::bounded::{Place, minimise};
+use crate::diagnosis::linearisation::scalar_products::products_between;
 use crate::inference::estimate::box_probability::log_box_probability;
 use crate::inference::estimate::laplace::Laplace;
 use crate::inference::estimate::optimise::Bounds;
@@ -37,6 +38,32 @@ pub struct Amplitude<'a> {
     pub upper: f64,
 }
 
+/// A normal distribution about 0, cut at bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
+    /// Standard deviation before the cut, above 0.
+    pub sd: f64,
+    /// Lower bound, at most 0.
+    pub lower: f64,
+    /// Upper bound, at least 0.
+    pub upper: f64,
+}
+
+impl Amplitude<'_> {
+    fn cut(&self) -> Cut {
+        Cut { sd: self.sd, lower: self.lower, upper: self.upper }
+    }
+}
+
+/// Products of a column.
+#[derive(Clone, Debug)]
+pub struct Products {
+    /// With the columns of the parameters.
+    parameters: Vec<f64>,
+    /// With the residuals.
+    residuals: f64,
+}
+
 /// A linear problem, prepared for many models.
 #[derive(Clone, Debug)]
 pub struct Evidence<'a> {
@@ -58,13 +85,33 @@ impl<'a> Evidence<'a> {
         Self { linear, columns, normal, slope, square: dot(&linear.residuals, &linear.residuals) }
     }
 
+    /// Products of columns with those of the parameters, and with the residuals: what they take part in whatever is beside them.
+    pub fn products(&self, columns: &[&[f64]]) -> Vec<Products> {
+        let own: Vec<&[f64]> =
+            self.columns.iter().map(Vec::as_slice).chain([self.linear.residuals.as_slice()]).collect();
+        let split = |mut parameters: Vec<f64>| Products { residuals: parameters.pop().unwrap_or(0.0), parameters };
+        products_between(columns, &own).into_iter().map(split).collect()
+    }
+
     /// Logarithm of the evidence of the model with columns added: the density of the whitened residuals, that of the rows of
     /// normal priors for standardised parameters (the same constant for all models of a problem). A parameter without a bound
     /// on one side and without a prior's row has the improper density 1. `None` where the integral is not finite.
     ///
     /// Exact where at most one bound matters; else to the 1e-3 of the box probability, for variables that press against
-    /// bounds to about one over the square of the decay lengths. Cost: columns^3 / 3.
+    /// bounds to about one over the square of the decay lengths. Cost: columns^3 / 3, beside the products.
     pub fn log_evidence(&self, added: &[Amplitude<'_>]) -> Option<f64> {
+        let columns: Vec<&[f64]> = added.iter().map(|amplitude| amplitude.values).collect();
+        let products = self.products(&columns);
+        let priors: Vec<(Cut, &Products)> = added.iter().map(Amplitude::cut).zip(&products).collect();
+        self.log_evidence_by_products(&priors, &|one, other| dot(columns[one], columns[other]))
+    }
+
+    /// The same of columns whose products are known; `between` are those of two of them.
+    pub fn log_evidence_by_products(
+        &self,
+        added: &[(Cut, &Products)],
+        between: &dyn Fn(usize, usize) -> f64,
+    ) -> Option<f64> {
         let (p, n) = (self.columns.len(), self.columns.len() + added.len());
         let mut a = vec![0.0; n * n];
         let mut b = self.slope.clone();
@@ -81,22 +128,21 @@ impl<'a> Evidence<'a> {
                 a[i * n + i] += 1e-8 / (width * width);
             }
         }
-        for (k, amplitude) in added.iter().enumerate() {
+        for (k, (cut, products)) in added.iter().enumerate() {
             let row = p + k;
-            for (i, column) in self.columns.iter().enumerate() {
-                let product = dot(column, amplitude.values);
+            for (i, &product) in products.parameters.iter().enumerate() {
                 (a[row * n + i], a[i * n + row]) = (product, product);
             }
-            for (other, second) in added[..=k].iter().enumerate() {
-                let product = dot(amplitude.values, second.values);
+            for other in 0..=k {
+                let product = between(k, other);
                 (a[row * n + p + other], a[(p + other) * n + row]) = (product, product);
             }
-            a[row * n + row] += 1.0 / (amplitude.sd * amplitude.sd);
-            b.push(dot(amplitude.values, &self.linear.residuals));
-            lower.push(amplitude.lower);
-            upper.push(amplitude.upper);
-            log -= 0.5 * ln(2.0 * std::f64::consts::PI) + ln(amplitude.sd);
-            log -= ln_normal_interval(amplitude.lower / amplitude.sd, amplitude.upper / amplitude.sd);
+            a[row * n + row] += 1.0 / (cut.sd * cut.sd);
+            b.push(products.residuals);
+            lower.push(cut.lower);
+            upper.push(cut.upper);
+            log -= 0.5 * ln(2.0 * std::f64::consts::PI) + ln(cut.sd);
+            log -= ln_normal_interval(cut.lower / cut.sd, cut.upper / cut.sd);
         }
         let kept: Vec<usize> = (0..n).filter(|&i| !held[i]).collect();
         let of_kept = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&i| values[i]).collect() };

@@ -10,7 +10,10 @@
 mod relations;
 pub mod sources;
 
-use crate::diagnosis::fits::evidence::{Amplitude, Evidence};
+use std::collections::BTreeMap;
+
+use crate::diagnosis::fits::evidence::{Amplitude, Cut, Evidence, Products};
+use crate::diagnosis::linearisation::scalar_products::{products_between, products_of_all};
 use crate::diagnosis::output::{GoesWith, Heat};
 use crate::diagnosis::{Problem, Refit};
 use crate::math::cholesky;
@@ -45,49 +48,102 @@ pub struct MissingHeat {
 /// Sources that are needed: position and standard deviation of the amplitude beforehand.
 type Needed = Vec<(usize, f64)>;
 
-/// Adds the kind that raises the evidence most, while it pays for its choice among all kinds and sizes. What comes back
-/// are the sources and the price of all choices.
-fn needed(state: &State, list: &[Source], norms: &[f64], without: f64) -> (Needed, f64) {
-    let evidence = Evidence::new(&state.linear);
-    let mut kinds: Vec<Kind> = Vec::new();
-    for (source, norm) in list.iter().zip(norms) {
-        if *norm > 0.0 && !kinds.contains(&source.kind) {
-            kinds.push(source.kind);
+/// The sources that move something, by kind, with the products of their columns as far as they were asked for.
+struct Kinds<'a> {
+    evidence: Evidence<'a>,
+    columns: Vec<&'a [f64]>,
+    norms: Vec<f64>,
+    /// Positions of the sources of each kind.
+    places: BTreeMap<Kind, Vec<usize>>,
+    products: Vec<Products>,
+    /// Products of two columns, the lower position first.
+    between: BTreeMap<(usize, usize), f64>,
+}
+
+impl<'a> Kinds<'a> {
+    fn new(state: &'a State, list: &[Source]) -> Self {
+        let evidence = Evidence::new(&state.linear);
+        let columns: Vec<&[f64]> = state.columns.iter().map(Vec::as_slice).collect();
+        let norms = norms(&state.columns);
+        let mut places: BTreeMap<Kind, Vec<usize>> = BTreeMap::new();
+        for (place, source) in list.iter().enumerate().filter(|(place, _)| norms[*place] > 0.0) {
+            places.entry(source.kind).or_default().push(place);
+        }
+        let mut between = BTreeMap::new();
+        for own in places.values() {
+            let of_kind: Vec<&[f64]> = own.iter().map(|&place| columns[place]).collect();
+            for (&place, products) in own.iter().zip(products_of_all(&of_kind)) {
+                between.extend(own.iter().zip(products).map(|(&other, product)| ((other, place), product)));
+            }
+        }
+        Self { products: evidence.products(&columns), evidence, columns, norms, places, between }
+    }
+
+    /// Finds the products of all columns with those of a kind.
+    fn take(&mut self, kind: Kind) {
+        let own = self.places.get(&kind).map(Vec::as_slice).unwrap_or_default();
+        let of_kind: Vec<&[f64]> = own.iter().map(|&place| self.columns[place]).collect();
+        for (place, products) in products_between(&self.columns, &of_kind).into_iter().enumerate() {
+            let pair = |other: usize| (place.min(other), place.max(other));
+            self.between.extend(own.iter().zip(products).map(|(&other, product)| (pair(other), product)));
         }
     }
-    let price = ln((kinds.len() * SIZES.len()).max(1) as f64);
-    let (mut kept, mut chosen, mut highest): (Vec<(Kind, f64)>, Needed, f64) = (Vec::new(), Vec::new(), 0.0);
-    while kept.len() < MOST_KINDS {
-        let mut best: Option<(f64, (Kind, f64), Needed)> = None;
-        for &kind in kinds.iter().filter(|kind| !kept.iter().any(|(kept_kind, _)| kept_kind == *kind)) {
-            for size in SIZES {
-                watch::check();
-                let with: Vec<(Kind, f64)> = kept.iter().copied().chain([(kind, size)]).collect();
-                let needed_sources: Needed = (0..list.len())
-                    .filter(|&place| norms[place] > 0.0)
-                    .filter_map(|place| {
-                        let (_, size) = with.iter().find(|(sized_kind, _)| *sized_kind == list[place].kind)?;
-                        Some((place, size / norms[place]))
-                    })
-                    .collect();
-                let Some(value) = evidence.log_evidence(&amplitudes(state, &needed_sources)) else { continue };
-                let gain = value - without - with.len() as f64 * price;
-                if best.as_ref().is_none_or(|(best_gain, _, _)| gain > *best_gain) {
-                    best = Some((gain, (kind, size), needed_sources));
+
+    /// The sources of kinds with sizes, ascending.
+    fn needed(&self, with: &[(Kind, f64)]) -> Needed {
+        let of = |(kind, size): &(Kind, f64)| {
+            let own = self.places.get(kind).into_iter().flatten();
+            own.map(|&place| (place, size / self.norms[place])).collect::<Needed>()
+        };
+        let mut needed: Needed = with.iter().flat_map(of).collect();
+        needed.sort_by_key(|(place, _)| *place);
+        needed
+    }
+
+    fn log_evidence(&self, needed: &Needed) -> Option<f64> {
+        let cut = |sd: f64| Cut { sd, lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+        let added: Vec<(Cut, &Products)> =
+            needed.iter().map(|&(place, sd)| (cut(sd), &self.products[place])).collect();
+        let between = |one: usize, other: usize| {
+            let (one, other) = (needed[one].0, needed[other].0);
+            self.between.get(&(one.min(other), one.max(other))).copied().unwrap_or(f64::NAN)
+        };
+        self.evidence.log_evidence_by_products(&added, &between)
+    }
+
+    /// Adds the kind that raises the evidence most, while it pays for its choice among all kinds and sizes. What comes back
+    /// are the kinds, their sources, and the price of all choices.
+    fn choose(&mut self) -> Option<(Vec<Kind>, Needed, f64)> {
+        let without = self.evidence.log_evidence(&[])?;
+        let price = ln((self.places.len() * SIZES.len()).max(1) as f64);
+        let (mut kept, mut chosen, mut highest): (Vec<(Kind, f64)>, Needed, f64) = (Vec::new(), Vec::new(), 0.0);
+        while kept.len() < MOST_KINDS {
+            let mut best: Option<(f64, (Kind, f64), Needed)> = None;
+            for &kind in self.places.keys().filter(|kind| !kept.iter().any(|(kept_kind, _)| kept_kind == *kind)) {
+                for size in SIZES {
+                    watch::check();
+                    let with: Vec<(Kind, f64)> = kept.iter().copied().chain([(kind, size)]).collect();
+                    let needed = self.needed(&with);
+                    let Some(value) = self.log_evidence(&needed) else { continue };
+                    let gain = value - without - with.len() as f64 * price;
+                    if best.as_ref().is_none_or(|(best_gain, _, _)| gain > *best_gain) {
+                        best = Some((gain, (kind, size), needed));
+                    }
                 }
             }
-        }
-        match best {
-            Some((gain, kind, best_needed)) if gain > highest => {
-                kept.push(kind);
-                chosen = best_needed;
-                highest = gain;
+            match best {
+                Some((gain, kind, best_needed)) if gain > highest => {
+                    self.take(kind.0);
+                    kept.push(kind);
+                    chosen = best_needed;
+                    highest = gain;
+                }
+                _ => break,
             }
-            _ => break,
         }
+        let paid = kept.len() as f64 * price;
+        Some((kept.into_iter().map(|(kind, _)| kind).collect(), chosen, paid))
     }
-    let paid = kept.len() as f64 * price;
-    (chosen, paid)
 }
 
 fn amplitudes<'a>(state: &'a State, chosen: &Needed) -> Vec<Amplitude<'a>> {
@@ -139,8 +195,12 @@ fn solve(state: &State, chosen: &Needed) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>
 
 /// What the fit with sources minimises.
 fn objective(state: &State, chosen: &Needed) -> f64 {
-    let square = |&(place, sd): &(usize, f64)| state.amplitudes[place] * state.amplitudes[place] / (sd * sd);
-    state.half_square + 0.5 * chosen.iter().map(square).sum::<f64>()
+    state.half_square + penalty(&state.amplitudes, chosen)
+}
+
+/// What the amplitudes' distribution beforehand adds to it.
+fn penalty(amplitudes: &[f64], chosen: &Needed) -> f64 {
+    0.5 * chosen.iter().map(|&(place, sd)| amplitudes[place] * amplitudes[place] / (sd * sd)).sum::<f64>()
 }
 
 /// The linearisation at the most probable state with the chosen sources: damped Gauss-Newton steps.
@@ -154,10 +214,12 @@ fn settle(sources: &Sources, mut state: State, chosen: &Needed) -> State {
             for (&(place, _), q) in chosen.iter().zip(&heat) {
                 amplitudes[place] += share * (q - amplitudes[place]);
             }
-            let next = sources.at(&sources.stepped(&state.unknowns, &shorter)?, &amplitudes)?;
-            (objective(&next, chosen) < before).then_some(next)
+            let unknowns = sources.stepped(&state.unknowns, &shorter)?;
+            let after = sources.half_square(&unknowns, &amplitudes)? + penalty(&amplitudes, chosen);
+            (after < before).then_some((unknowns, amplitudes))
         });
-        let Some(next) = next else { break };
+        let next = next.and_then(|(unknowns, amplitudes)| sources.at(&unknowns, &amplitudes));
+        let Some(next) = next.filter(|next| objective(next, chosen) < before) else { break };
         let fall = before - objective(&next, chosen);
         state = next;
         if fall < STAYS {
@@ -175,10 +237,14 @@ pub fn missing_heat(problem: &Problem, baseline: &Refit) -> Result<MissingHeat, 
     let sources = Sources::new(problem)?;
     let list = sources.list();
     let state = sources.at(&baseline.unknowns, &vec![0.0; list.len()]).ok_or(NoHeat::NotSolved)?;
-    let without = Evidence::new(&state.linear).log_evidence(&[]).ok_or(NoHeat::NotDetermined)?;
-    let norms = norms(&state.columns);
-    let (chosen, price) = needed(&state, list, &norms, without);
-    let state = settle(&sources, state, &chosen);
+    let (kinds, chosen, price) = Kinds::new(&state, list).choose().ok_or(NoHeat::NotDetermined)?;
+    // From here on sources that are not needed have no heat.
+    let places: Vec<usize> = (0..list.len()).filter(|&place| kinds.contains(&list[place].kind)).collect();
+    let chosen: Needed =
+        chosen.into_iter().map(|(place, sd)| (places.partition_point(|&other| other < place), sd)).collect();
+    let sources = Sources::of(problem, &|kind| kinds.contains(&kind))?;
+    let list = sources.list();
+    let state = settle(&sources, state.only(&places), &chosen);
     let with = Evidence::new(&state.linear).log_evidence(&amplitudes(&state, &chosen)).ok_or(NoHeat::NotDetermined)?;
     // Biases alone are an effect of the catalogue, not something else.
     let has_heat = chosen.iter().any(|&(place, _)| matches!(list[place].kind, Kind::Node(_)));

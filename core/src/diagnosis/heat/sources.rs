@@ -8,6 +8,7 @@ use crate::diagnosis::linearisation::signature::linearise;
 use crate::diagnosis::{Linear, Problem, Refit};
 use crate::expression::{Names, Scope, Symbol, parse};
 use crate::inference::estimate::natural::NaturalObjective;
+use crate::inference::estimate::optimise::Objective;
 use crate::inference::likelihood::{Definition, FewerRows, Likelihood};
 use crate::inference::target::Target;
 use crate::math::dense::dot_of_columns as dot;
@@ -27,7 +28,7 @@ const LEAST: f64 = 1e-9;
 const UNBOUNDED_W: f64 = 1e12;
 
 /// What sources are of one kind: their sizes are alike.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// Heat of a node.
     Node(usize),
@@ -96,6 +97,16 @@ pub enum NoHeat {
     NotDetermined,
 }
 
+impl State {
+    /// The same with some of the sources; the others have no heat.
+    pub fn only(self, places: &[usize]) -> Self {
+        let mut columns = self.columns;
+        let amplitudes = places.iter().map(|&place| self.amplitudes[place]).collect();
+        let columns = places.iter().map(|&place| std::mem::take(&mut columns[place])).collect();
+        Self { amplitudes, columns, ..self }
+    }
+}
+
 impl NoHeat {
     /// The reason, after a colon.
     pub fn in_words(&self) -> String {
@@ -111,12 +122,31 @@ impl NoHeat {
     }
 }
 
+impl Field {
+    /// Its unknowns, SI and W.
+    fn at(&self, unknowns: &[f64], amplitudes: &[f64]) -> Vec<f64> {
+        let value = |(unknown, source): (&Option<usize>, &Option<usize>)| {
+            let amplitude = source.map(|source| amplitudes[source]);
+            unknown.map(|place| unknowns[place]).or(amplitude).unwrap_or(0.0)
+        };
+        self.unknowns.iter().zip(&self.sources).map(value).collect()
+    }
+}
+
 impl Sources {
-    /// Sources in every node that has a balance.
+    /// Sources in every node that has a balance, and a bias of every sensor.
     ///
     /// # Errors
     /// They are too many, or cannot be made.
     pub fn new(problem: &Problem) -> Result<Self, NoHeat> {
+        Self::of(problem, &|_| true)
+    }
+
+    /// Sources of the kinds that are wanted.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(problem: &Problem, is_wanted: &dyn Fn(Kind) -> bool) -> Result<Self, NoHeat> {
         let not_made = |error: FitError| NoHeat::NotMade(error.to_string());
         let likelihood = problem.hypothesis(&[], 1.0).map_err(not_made)?.likelihood(problem).map_err(not_made)?;
         let mut all = Self { likelihood, fields: Vec::new(), list: Vec::new(), biases: Vec::new() };
@@ -124,13 +154,13 @@ impl Sources {
         let thinned = problem.thinned(TOLERANCE_ON_FEWER_ROWS);
         let fewer = thinned.map_or_else(Vec::new, |thinned| thinned.slopes_on(&thinned.problem.measurements));
         for index in 0..problem.measurements.len() {
-            all.add_measurement(problem, index, fewer.get(index..=index).unwrap_or_default())?;
+            all.add_measurement(problem, index, fewer.get(index..=index).unwrap_or_default(), is_wanted)?;
             if all.list.len() > MOST_SOURCES {
                 return Err(NoHeat::TooMany);
             }
         }
         for (index, measurement) in problem.measurements.iter().enumerate() {
-            for sensor in 0..measurement.sensors.len() {
+            for sensor in (0..measurement.sensors.len()).filter(|&sensor| is_wanted(Kind::Sensor(index, sensor))) {
                 let is_of_sensor = |datum: &crate::inference::likelihood::Datum| {
                     f64::from(u8::from(datum.measurement == index && datum.sensor == sensor))
                 };
@@ -151,11 +181,17 @@ impl Sources {
         &self.list
     }
 
-    fn add_measurement(&mut self, problem: &Problem, index: usize, fewer: &[Option<FewerRows>]) -> Result<(), NoHeat> {
+    fn add_measurement(
+        &mut self,
+        problem: &Problem,
+        index: usize,
+        fewer: &[Option<FewerRows>],
+        is_wanted: &dyn Fn(Kind) -> bool,
+    ) -> Result<(), NoHeat> {
         let measurement = &problem.measurements[index];
         let mut model = (*problem.model).clone();
         let nodes: Vec<usize> = (0..model.nodes.len())
-            .filter(|&node| !matches!(model.nodes[node].kind, NodeKind::Boundary { .. }))
+            .filter(|&node| !matches!(model.nodes[node].kind, NodeKind::Boundary { .. }) && is_wanted(Kind::Node(node)))
             .collect();
         let data: Vec<(usize, usize)> = (self.likelihood.data().iter().enumerate())
             .filter(|(_, datum)| datum.measurement == index)
@@ -262,12 +298,7 @@ impl Sources {
         let n = linear.parameters();
         let mut columns = vec![vec![0.0; linear.rows]; self.list.len()];
         for field in &self.fields {
-            let at: Vec<f64> = (field.unknowns.iter().zip(&field.sources))
-                .map(|(unknown, source)| {
-                    let amplitude = source.map(|source| amplitudes[source]);
-                    unknown.map(|place| unknowns[place]).or(amplitude).unwrap_or(0.0)
-                })
-                .collect();
+            let at = field.at(unknowns, amplitudes);
             let field_linear = linearise(&field.likelihood, &at).ok()?;
             if field_linear.readings != field.rows.len() {
                 return None;
@@ -302,6 +333,23 @@ impl Sources {
         half_square.is_finite().then_some(State { unknowns, amplitudes, linear, columns, half_square })
     }
 
+    /// [`State::half_square`] alone.
+    pub fn half_square(&self, unknowns: &[f64], amplitudes: &[f64]) -> Option<f64> {
+        let mut residuals = residuals(&self.likelihood, unknowns)?;
+        for field in &self.fields {
+            let of_field = self::residuals(&field.likelihood, &field.at(unknowns, amplitudes))?;
+            for (&position, residual) in field.rows.iter().zip(of_field) {
+                residuals[position] = residual;
+            }
+        }
+        for (source, column) in &self.biases {
+            for (residual, value) in residuals.iter_mut().zip(column) {
+                *residual -= amplitudes[*source] * value;
+            }
+        }
+        Some(0.5 * dot(&residuals, &residuals)).filter(|half_square| half_square.is_finite())
+    }
+
     /// What the logarithm of an evidence of the whitened, standardised problem is short of that of the readings: the
     /// normalisation of the noise, which is settled, and of the priors, whose rows are standardised.
     pub fn constant(&self, state: &State, baseline: &Refit) -> Option<f64> {
@@ -322,6 +370,15 @@ impl Sources {
         let moved: Vec<f64> = objective.coordinates(unknowns).iter().zip(step).map(|(x, d)| x + d).collect();
         Some(objective.parameters(&moved))
     }
+}
+
+/// Whitened residuals at unknowns (SI), with the rows of the priors.
+fn residuals(likelihood: &Likelihood, unknowns: &[f64]) -> Option<Vec<f64>> {
+    let mut objective = NaturalObjective::new(likelihood).ok()?;
+    let at = objective.coordinates(unknowns);
+    let mut residuals = vec![0.0; objective.rows()];
+    objective.value(&at, &mut residuals)?;
+    Some(residuals)
 }
 
 /// Lengths of the columns; 0 for those that move nothing.

@@ -4,6 +4,10 @@
 //! `g = W df/da`. Normal priors are rows of `r` and `J` of their own (`g` is 0 there), uniform ones bounds of the step `d`:
 //! the fit with a step `d` and an amplitude `a` has the sum of squares `|r - J d - g a|^2`.
 
+use std::sync::Arc;
+
+use super::between_rows::BetweenRows;
+
 /// The baseline model at its fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Linear {
@@ -39,6 +43,8 @@ pub struct Direction {
     pub shape: Vec<f64>,
     /// `g`, column by column (`rows x columns`), 0 in the rows of the priors.
     pub columns: Vec<f64>,
+    /// The coordinates that stand for the rows; `None` where these stand for themselves.
+    pub coordinates: Option<Arc<BetweenRows>>,
     /// Lower bound of each amplitude, SI: 0 where only positive ones are physical, minus infinity without a bound.
     pub lower: Vec<f64>,
     /// Upper bound of each amplitude, SI.
@@ -54,6 +60,15 @@ impl Direction {
     /// Number of amplitudes.
     pub fn amplitudes(&self) -> usize {
         self.lower.len()
+    }
+
+    /// The direction with all its rows.
+    pub fn on_all_rows(mut self) -> Self {
+        if let Some(coordinates) = self.coordinates.take() {
+            let columns = self.columns.chunks_exact(coordinates.dimensions());
+            self.columns = columns.flat_map(|column| coordinates.rows_of(column)).collect();
+        }
+        self
     }
 
     /// A column, by row.

@@ -3,6 +3,7 @@
 //! `signature`: the directions of effects. `threshold_levels`: the levels of data between which thresholds lie.
 //! `scalar_products`, `bounded`: what scores rest on.
 
+pub mod between_rows;
 pub mod bounded;
 pub mod linear;
 pub(crate) mod scalar_products;

@@ -79,9 +79,19 @@ pub(crate) fn products(columns: &[Vec<f64>], column: &[f64]) -> Vec<f64> {
 }
 
 /// Products of columns with one another: of each those with the columns up to it.
-pub(crate) fn products_of_all(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let row = |place: usize| columns[..=place].iter().map(|other| dot(&columns[place], other)).collect();
+pub(crate) fn products_of_all<C: AsRef<[f64]> + Sync>(columns: &[C]) -> Vec<Vec<f64>> {
+    let row = |place: usize| products_along(&columns[..=place], columns[place].as_ref());
     (0..columns.len()).into_par_iter().map(row).collect()
+}
+
+/// Products of columns with others: of each of the former those with all of the latter.
+pub(crate) fn products_between(columns: &[&[f64]], others: &[&[f64]]) -> Vec<Vec<f64>> {
+    columns.par_iter().map(|column| products_along(others, column)).collect()
+}
+
+fn products_along<C: AsRef<[f64]>>(columns: &[C], column: &[f64]) -> Vec<f64> {
+    watch::check();
+    columns.iter().map(|other| dot(other.as_ref(), column)).collect()
 }
 
 /// What is left of columns without their components along an orthonormal basis of `rows` rows, scaled to length 1. Shorter columns go

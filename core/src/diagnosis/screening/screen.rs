@@ -2,11 +2,13 @@
 
 use crate::diagnosis::FitError;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::engine::{Diagnosis, SensorNoise};
+use crate::diagnosis::linearisation::between_rows::BetweenRows;
 use crate::diagnosis::linearisation::bounded::Place;
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::misspecified::is_unstated;
@@ -101,8 +103,11 @@ pub struct Screening {
 }
 
 /// The linearised problem with everything that was scored.
-struct Scored {
+struct Scored<'a> {
+    linear: &'a Linear,
     prepared: Prepared,
+    /// The same in the coordinates that directions had last.
+    in_coordinates: Option<(Arc<BetweenRows>, Prepared)>,
     directions: Vec<Direction>,
     scores: Vec<Score>,
     /// Numbers of all columns.
@@ -111,19 +116,46 @@ struct Scored {
     left_out: u64,
 }
 
-impl Scored {
-    fn new(prepared: Prepared) -> Self {
-        Self { prepared, directions: Vec::new(), scores: Vec::new(), held: 0, left_out: 0 }
+impl<'a> Scored<'a> {
+    fn new(linear: &'a Linear) -> Self {
+        let prepared = Prepared::new(linear);
+        Self {
+            linear,
+            prepared,
+            in_coordinates: None,
+            directions: Vec::new(),
+            scores: Vec::new(),
+            held: 0,
+            left_out: 0,
+        }
     }
 
     /// Takes directions and scores them; in between only the best are kept.
     fn take(&mut self, directions: Vec<Direction>) {
-        self.held += directions.iter().map(|direction| direction.columns.len()).sum::<usize>();
-        self.scores.par_extend(directions.par_iter().map(|direction| self.prepared.score(direction)));
+        self.held += directions.iter().map(|direction| self.entries(direction)).sum::<usize>();
+        let coordinates = directions.iter().find_map(|direction| direction.coordinates.as_ref());
+        let is_new = |coordinates: &&Arc<BetweenRows>| {
+            self.in_coordinates.as_ref().is_none_or(|(last, _)| !Arc::ptr_eq(last, coordinates))
+        };
+        if let Some(coordinates) = coordinates.filter(is_new) {
+            let mut prepared = Prepared::new(&coordinates.linear(self.linear));
+            prepared.largest = self.prepared.largest;
+            self.in_coordinates = Some((Arc::clone(coordinates), prepared));
+        }
+        let score = |direction: &Direction| match (&direction.coordinates, &self.in_coordinates) {
+            (Some(_), Some((_, prepared))) => prepared.score(direction),
+            _ => self.prepared.score(direction),
+        };
+        self.scores.par_extend(directions.par_iter().map(score));
         self.directions.extend(directions);
         if self.held >= 2 * MOST_ENTRIES {
             self.keep(MOST_ENTRIES);
         }
+    }
+
+    /// Numbers of a direction's columns on all rows.
+    fn entries(&self, direction: &Direction) -> usize {
+        direction.amplitudes() * self.linear.rows
     }
 
     /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept.
@@ -131,21 +163,20 @@ impl Scored {
         problem: &Problem,
         likelihood: &Likelihood,
         unknowns: &[f64],
-        linear: &Linear,
+        linear: &'a Linear,
         wanted: impl Fn(&Direction) -> bool,
     ) -> Result<(Self, Vec<signature::Unseen>), FitError> {
-        let mut prepared = Prepared::new(linear);
+        let mut scored = Self::new(linear);
         if problem.is_misspecified {
             // What a model lacks that is wrong everywhere may be far from what the catalogue takes for plausible.
-            prepared.largest *= WIDTHS[IMPLAUSIBLE].factor;
+            scored.prepared.largest *= WIDTHS[IMPLAUSIBLE].factor;
         }
-        let mut scored = Self::new(prepared);
         let find = |scored: &mut Self, positions: &[usize]| {
             let mut give = |mut directions: Vec<Direction>| {
                 directions.retain(&wanted);
                 scored.take(directions);
             };
-            signature::for_each_direction(problem, likelihood, unknowns, positions, &mut give)
+            signature::for_each_direction_in_coordinates(problem, likelihood, unknowns, positions, &mut give)
         };
         let mut late = signature::probed_pairs(problem);
         if late.len() <= MOST_PAIRS_PROBED {
@@ -160,8 +191,15 @@ impl Scored {
             scored.left_out += (all - chosen.len()) as u64;
             unseen.extend(find(&mut scored, &chosen)?);
         }
-        scored.keep(MOST_ENTRIES);
+        scored.end();
         Ok((scored, unseen))
+    }
+
+    /// The best directions with all their rows.
+    fn end(&mut self) {
+        self.keep(MOST_ENTRIES);
+        self.directions = std::mem::take(&mut self.directions).into_par_iter().map(Direction::on_all_rows).collect();
+        self.in_coordinates = None;
     }
 
     /// Of pairs of nodes those where other effects explain most: at both nodes, as a path does, or the same one at one of
@@ -198,13 +236,13 @@ impl Scored {
         order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
         let mut held = 0;
         order.retain(|&place| {
-            held += self.directions[place].columns.len();
+            held += self.entries(&self.directions[place]);
             held <= entries
         });
         order.sort_unstable();
         self.directions = order.iter().map(|&place| std::mem::take(&mut self.directions[place])).collect();
         self.scores = order.iter().map(|&place| self.scores[place].clone()).collect();
-        self.held = self.directions.iter().map(|direction| direction.columns.len()).sum();
+        self.held = self.directions.iter().map(|direction| self.entries(direction)).sum();
         self.left_out += (before - order.len()) as u64;
     }
 
@@ -344,16 +382,15 @@ impl Diagnosis {
     ) -> Result<Vec<Lead>, FitError> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
-        let mut scored = Scored::new(Prepared::new(&linear));
-        signature::for_each_direction(problem, &likelihood, &refit.unknowns, positions, &mut |directions| {
-            scored.take(directions);
-        })?;
-        scored.keep(MOST_ENTRIES);
+        let mut scored = Scored::new(&linear);
+        let mut take = |directions| scored.take(directions);
+        signature::for_each_direction_in_coordinates(problem, &likelihood, &refit.unknowns, positions, &mut take)?;
+        scored.end();
         Ok(self.leads(problem, &scored))
     }
 
     /// The effects, best first, with starts from their best directions.
-    fn leads(&self, problem: &Problem, scored: &Scored) -> Vec<Lead> {
+    fn leads(&self, problem: &Problem, scored: &Scored<'_>) -> Vec<Lead> {
         let mut leads: Vec<Lead> = Vec::new();
         for d in scored.ranked() {
             let direction = &scored.directions[d];
@@ -531,7 +568,7 @@ impl Diagnosis {
                 white.jacobian[row * n + parameter] = value;
             }
         }
-        let mut scored = Scored::new(Prepared::new(&white));
+        let mut scored = Scored::new(&white);
         for direction in directions {
             let mut own = direction.clone();
             whiten(&mut own.columns);

@@ -41,6 +41,7 @@ use transient::TransientPart;
 pub use course::{Course, CourseSensor};
 pub use fewer_rows::FewerRows;
 pub use input_error::covariance_by_inputs;
+pub use noise::Filter;
 pub use whitening::Whitening;
 
 /// Readings from which on the courses of several transients are found side by side: fewer take less time than handing them over.

@@ -51,22 +51,30 @@ impl Filter {
     pub fn apply(&self, values: &mut [f64]) {
         match self {
             Self::White(sd) => values.iter_mut().for_each(|value| *value /= sd),
-            Self::Correlated(steps) => {
-                let mut before = 0.0;
-                for (value, [phi, scale]) in values.iter_mut().zip(steps) {
-                    let own = *value;
-                    *value = (own - phi * before) / scale;
-                    before = own;
+            Self::Correlated(_) | Self::Filtered(_) => {
+                let mut state = 0.0;
+                for (position, value) in values.iter_mut().enumerate() {
+                    *value = self.step(position, *value, &mut state);
                 }
             }
+        }
+    }
+
+    /// Whitens the value at a position, given the state that those before it have left; it is 0 at the beginning.
+    pub fn step(&self, position: usize, value: f64, state: &mut f64) -> f64 {
+        match self {
+            Self::White(sd) => value / sd,
+            Self::Correlated(steps) => {
+                let [phi, scale] = steps[position];
+                let before = std::mem::replace(state, value);
+                (value - phi * before) / scale
+            }
             Self::Filtered(steps) => {
-                let mut mean = 0.0;
-                for (value, [phi, scale, gain]) in values.iter_mut().zip(steps) {
-                    mean *= phi;
-                    let innovation = *value - mean;
-                    *value = innovation / scale;
-                    mean += gain * innovation;
-                }
+                let [phi, scale, gain] = steps[position];
+                let mean = *state * phi;
+                let innovation = value - mean;
+                *state = mean + gain * innovation;
+                innovation / scale
             }
         }
     }

@@ -41,6 +41,14 @@ impl Likelihood {
 }
 
 impl Whitening {
+    /// The filter of a sensor over time, by the position of its first residual.
+    pub fn series(&self, first_residual: usize) -> Option<&Filter> {
+        self.blocks.iter().find_map(|block| match block {
+            Block::Series { first, filter, .. } => (*first == first_residual).then_some(filter),
+            Block::Scales { .. } | Block::Factor { .. } => None,
+        })
+    }
+
     /// Replaces `d` by `W d`; one entry a residual, in the likelihood's order.
     ///
     /// # Errors

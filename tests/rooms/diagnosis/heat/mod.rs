@@ -85,3 +85,40 @@ fn heat_is_sought_beside_a_measurement_that_is_held_out_as_a_whole() {
         assert!(nodes(&alone) > 0 && nodes(&both) == nodes(&alone), "{} and {}", nodes(&both), nodes(&alone));
     }
 }
+
+/// A step is tried by its values alone, with the sources that are needed alone.
+#[test]
+fn half_the_square_is_that_of_the_linearisation_with_all_sources_and_with_some() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    for kind in [TestKind::Steady, TestKind::Steps] {
+        let recipe = Recipe::of(Topology::Star, kind, InjectionRequest::default());
+        let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+        let begin = Begin { from_prior: 2, scale: 1.0, ..Begin::default() };
+        let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();
+        let all = Sources::new(&problem).unwrap();
+        let kinds = [all.list()[1].kind, SourceKind::Sensor(0, 0)];
+        let places: Vec<usize> = (0..all.list().len()).filter(|&place| kinds.contains(&all.list()[place].kind)).collect();
+        let amplitudes: Vec<f64> = (0..all.list().len())
+            .map(|place| if kinds.contains(&all.list()[place].kind) { 0.1 + 0.01 * place as f64 } else { 0.0 })
+            .collect();
+        let of_all = all.at(&fitted.unknowns, &amplitudes).unwrap();
+        let value = all.half_square(&fitted.unknowns, &amplitudes).unwrap();
+        assert!((value / of_all.half_square - 1.0).abs() < 1e-9, "{value} {}", of_all.half_square);
+
+        let some = Sources::of(&problem, &|kind| kinds.contains(&kind)).unwrap();
+        let of_some = some.list().iter().zip(places.iter().map(|&place| &all.list()[place]));
+        assert_eq!(some.list().len(), places.len());
+        assert!(of_some.clone().all(|(one, other)| one.kind == other.kind && one.phase == other.phase));
+        let amplitudes: Vec<f64> = places.iter().map(|&place| amplitudes[place]).collect();
+        let value = some.half_square(&fitted.unknowns, &amplitudes).unwrap();
+        // In a transient another number of sensitivities does not move the steps; what is left is rounding.
+        assert!((value / of_all.half_square - 1.0).abs() < 1e-9, "{value} {}", of_all.half_square);
+        let state = some.at(&fitted.unknowns, &amplitudes).unwrap();
+        let narrowed = of_all.only(&places);
+        for (one, other) in state.columns.iter().zip(&narrowed.columns) {
+            let largest = other.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            assert!(one.iter().zip(other).all(|(one, other)| (one - other).abs() <= 1e-6 * largest));
+        }
+        assert_eq!(state.amplitudes, narrowed.amplitudes);
+    }
+}

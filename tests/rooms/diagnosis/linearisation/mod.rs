@@ -1,3 +1,4 @@
+mod between_rows;
 mod bounded;
 mod signature;
 mod threshold_levels;

@@ -42,7 +42,7 @@ impl Phases {
                 columns.collect::<Result<Vec<Vec<f64>>, FitError>>()
             });
             let direction: Result<Option<Direction>, FitError> =
-                columns.and_then(|columns| variant.direction(base, columns.into_iter()));
+                columns.and_then(|columns| variant.direction(base.rows, columns.into_iter()));
             variant::put(&mut directions[variant.asked], direction);
         }
     }

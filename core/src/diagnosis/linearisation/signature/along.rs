@@ -6,6 +6,7 @@
 //! factorisation, and cost two solves a step.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -14,6 +15,7 @@ use super::slopes::{Bench, Outputs, Room, Slopes};
 use super::variant::{self, Variant};
 use super::{Base, Found};
 use crate::diagnosis::FitError;
+use crate::diagnosis::linearisation::between_rows::BetweenRows;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::inference::likelihood::Course;
 use crate::measurement::{InputTable, lag};
@@ -30,6 +32,8 @@ pub struct Courses {
     courses: Vec<Course>,
     phases: Phases,
     parameters: Vec<f64>,
+    /// Where records are long.
+    coordinates: Option<Arc<BetweenRows>>,
 }
 
 /// What the outputs of a program are along a course.
@@ -49,10 +53,11 @@ impl Courses {
     pub fn new(base: &Base<'_>, kept: &[Option<Vec<usize>>]) -> Option<Self> {
         let courses = base.likelihood.courses(base.unknowns, kept).ok().flatten()?;
         let phases = Phases::new(base.likelihood, base.unknowns).ok()?;
-        Some(Self { courses, phases, parameters: base.likelihood.full_parameters(base.unknowns) })
+        let coordinates = BetweenRows::new(&courses, &base.whitening, base.rows, base.unknowns.len()).map(Arc::new);
+        Some(Self { courses, phases, parameters: base.likelihood.full_parameters(base.unknowns), coordinates })
     }
 
-    /// Adds the directions of variants to what was found of their candidates.
+    /// Adds the directions of variants to what was found of their candidates, in coordinates where these stand for the rows.
     pub fn directions(&self, base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
         for block in variants.chunks(PROGRAM) {
             self.directions_of(base, block, directions);
@@ -85,11 +90,25 @@ impl Courses {
             self.phases.column(base, all[position], &steady, &mut column);
             for (((course, shares), forcing), changes) in self.courses.iter().zip(&shares).zip(&forcings).zip(&changes)
             {
-                let count = TOGETHER.min(all.len() - position / TOGETHER * TOGETHER);
-                let own = (changes[position / TOGETHER].as_slice(), count, position % TOGETHER);
-                draw(base, (course, shares), forcing, all[position], own, &mut column);
+                draw(base, (course, shares), forcing, all[position], &OwnChanges::new(changes, all.len(), position), &mut column);
             }
             base.whitening.apply(&mut column)?;
+            Ok(column)
+        };
+        let in_coordinates = |coordinates: &BetweenRows, position: usize| {
+            let mut column = vec![0.0; coordinates.dimensions()];
+            if coordinates.has_own_readings(base.residuals.len()) {
+                let mut readings = vec![0.0; base.residuals.len()];
+                self.phases.column(base, all[position], &steady, &mut readings);
+                base.whitening.apply(&mut readings)?;
+                coordinates.of_own_rows(&readings, &mut column);
+            }
+            for (transient, (course, changes)) in self.courses.iter().zip(&changes).enumerate() {
+                let own = OwnChanges::new(changes, all.len(), position);
+                for sensor in 0..course.sensors.len() {
+                    coordinates.of_changes(transient, sensor, |place| own.of(course, sensor, place), &mut column);
+                }
+            }
             Ok(column)
         };
         let mut first = 0;
@@ -103,8 +122,17 @@ impl Courses {
         let found: Vec<Result<Option<Direction>, FitError>> = (variants.par_iter().zip(&slopes).zip(&firsts))
             .map(|((variant, own), &first)| {
                 let own = own.as_ref().map_err(Clone::clone)?;
-                let columns = (first..first + own.len()).map(&column).collect::<Result<Vec<Vec<f64>>, FitError>>();
-                variant.direction(base, columns?.into_iter())
+                // What changes readings at fixed temperatures changes them in every row.
+                let is_drawn = own.iter().all(|slopes| slopes.quantities.is_empty() && slopes.readings.is_empty());
+                let coordinates = self.coordinates.as_ref().filter(|_| is_drawn);
+                let of_position = |position: usize| match coordinates {
+                    Some(coordinates) => in_coordinates(coordinates, position),
+                    None => column(position),
+                };
+                let columns = (first..first + own.len()).map(of_position).collect::<Result<Vec<Vec<f64>>, FitError>>();
+                let rows = coordinates.map_or(base.rows, |coordinates| coordinates.dimensions());
+                let direction = variant.direction(rows, columns?.into_iter())?;
+                Ok(direction.map(|direction| Direction { coordinates: coordinates.cloned(), ..direction }))
             })
             .collect();
         for (variant, direction) in variants.iter().zip(found) {
@@ -146,23 +174,44 @@ fn changes(course: &Course, forcing: &Forcing, some: &[&Slopes]) -> Vec<f64> {
     changes
 }
 
-/// Draws what an amplitude does to the readings of a transient: straight between its changes on kept rows. `changes` holds those of
-/// `count` amplitudes, `position` is its place among them, `shares` how far each row lies on the way to the next kept one.
+/// What an amplitude does to the quantities of the sensors of a transient on kept rows.
+struct OwnChanges<'a> {
+    /// The same of some amplitudes.
+    of_some: &'a [f64],
+    /// How many these are.
+    count: usize,
+    /// Its place among them.
+    position: usize,
+}
+
+impl<'a> OwnChanges<'a> {
+    /// Of the amplitude at a position among `all`.
+    fn new(changes: &'a [Vec<f64>], all: usize, position: usize) -> Self {
+        let block = position / TOGETHER;
+        Self { of_some: &changes[block], count: TOGETHER.min(all - block * TOGETHER), position: position % TOGETHER }
+    }
+
+    fn of(&self, course: &Course, sensor: usize, place: usize) -> f64 {
+        self.of_some[(sensor * course.kept.len() + place) * self.count + self.position]
+    }
+}
+
+/// Draws what an amplitude does to the readings of a transient: straight between its changes on kept rows. `shares` says how far
+/// each row lies on the way to the next kept one.
 fn draw(
     base: &Base<'_>,
     (course, shares): (&Course, &[f64]),
     forcing: &Forcing,
     slopes: &Slopes,
-    (changes, count, position): (&[f64], usize, usize),
+    changes: &OwnChanges<'_>,
     column: &mut [f64],
 ) {
     let times_s = &course.inputs.times_s[..course.rows];
-    let kept = course.kept.len();
     let mut values = vec![0.0; course.rows];
     for (sensor, own) in course.sensors.iter().enumerate() {
         // The course knows the quantities of its network alone, the slopes those of the model.
         let of_model = &base.problem.measurements[course.measurement].sensors[sensor];
-        let change = |place: usize| changes[(sensor * kept + place) * count + position];
+        let change = |place: usize| changes.of(course, sensor, place);
         for (place, ends) in course.kept.windows(2).enumerate() {
             let (from, to) = (change(place), change(place + 1));
             let (first, last) = (ends[0], ends[1]);

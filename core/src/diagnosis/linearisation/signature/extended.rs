@@ -61,7 +61,7 @@ fn together(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<Vec<Option<Dire
             let readings = (0..readings).map(|row| -jacobian[row * n + place]);
             readings.collect::<Vec<f64>>()
         });
-        directions.push(variant.direction(base, columns)?);
+        directions.push(variant.direction(base.rows, columns)?);
         first += width;
     }
     Ok(directions)

@@ -154,6 +154,22 @@ pub fn for_each_direction(
     positions: &[usize],
     give: &mut dyn FnMut(Vec<Direction>),
 ) -> Result<Vec<Unseen>, FitError> {
+    for_each_direction_in_coordinates(problem, likelihood, unknowns, positions, &mut |directions| {
+        give(directions.into_par_iter().map(Direction::on_all_rows).collect());
+    })
+}
+
+/// The same, but where few coordinates stand for the rows of a direction, it has these.
+///
+/// # Errors
+/// As [`for_each_direction`].
+pub fn for_each_direction_in_coordinates(
+    problem: &Problem,
+    likelihood: &Likelihood,
+    unknowns: &[f64],
+    positions: &[usize],
+    give: &mut dyn FnMut(Vec<Direction>),
+) -> Result<Vec<Unseen>, FitError> {
     let base = Base::new(problem, likelihood, unknowns)?;
     // Where the means have no solution, every row is kept.
     let coarse = Coarse::new(&base).ok().flatten();

@@ -40,7 +40,7 @@ impl Parameters {
             lower: vec![(least - at).min(0.0)],
             upper: vec![(most - at).max(0.0)],
             plausible: vec![0.5 * (wide.quantile(0.84) - wide.quantile(0.16))],
-            probe: Vec::new(),
+            ..Direction::default()
         }])
     }
 }

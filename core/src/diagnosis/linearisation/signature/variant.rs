@@ -64,10 +64,10 @@ pub(super) fn put(directions: &mut Found, direction: Result<Option<Direction>, F
 
 impl Variant<'_> {
     /// Its direction from whitened columns of the readings, one an amplitude, without those that are 0; none where all
-    /// are.
+    /// are. The columns of the direction have so many `rows`.
     pub fn direction(
         &self,
-        base: &Base<'_>,
+        rows: usize,
         columns: impl Iterator<Item = Vec<f64>>,
     ) -> Result<Option<Direction>, FitError> {
         let mut direction = Direction { candidate: self.candidate, shape: self.shape.clone(), ..Direction::default() };
@@ -82,7 +82,7 @@ impl Variant<'_> {
             let (lower, upper) = bounds(&self.written[position]);
             direction.parameters.push(position);
             direction.columns.extend(column);
-            direction.columns.resize(direction.parameters.len() * base.rows, 0.0);
+            direction.columns.resize(direction.parameters.len() * rows, 0.0);
             direction.lower.push(lower);
             direction.upper.push(upper);
             direction.plausible.push(plausible(&self.written[position]));
