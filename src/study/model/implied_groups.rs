@@ -14,10 +14,10 @@ const MOST: usize = 12;
 
 /// Groups beside those of the file, none with members of another: nodes whose joints with the same boundary share a
 /// parameter, weighted by these joints' nominal values; nodes whose heat capacities share one, weighted by these;
-/// conductors and radiations that share one. Weights add up to 1.
+/// conductors and radiations that share one; loads that share a parameter or an input. Weights add up to 1.
 pub(super) fn implied(model: &ResolvedModel, written: &[Group]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    for (name, members) in surfaces(model).into_iter().chain(materials(model)).chain(joints(model)) {
+    for (name, members) in surfaces(model).into_iter().chain(materials(model)).chain(alike(model)) {
         let is_known = |group: &Group| group.name == name || have_same_members(&group.members, &members);
         if groups.len() < MOST && !written.iter().chain(&groups).any(is_known) {
             groups.push(Group { name, members });
@@ -82,31 +82,54 @@ fn materials(model: &ResolvedModel) -> Vec<(String, Members)> {
     found.into_iter().filter_map(|(parameter, nodes)| Some((name(parameter), weighted(&nodes)?))).collect()
 }
 
-/// Conductors and radiations that share a parameter.
-fn joints(model: &ResolvedModel) -> Vec<(String, Members)> {
+/// Conductors and radiations that share a parameter, and loads that share a parameter or an input.
+fn alike(model: &ResolvedModel) -> Vec<(String, Members)> {
     let mut all = Vec::new();
-    for (kind, of) in
-        [("conductor", Members::Conductors as fn(Vec<usize>) -> Members), ("radiation", Members::Radiations)]
-    {
-        let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let kinds: [(&str, fn(Vec<usize>) -> Members); 3] =
+        [("conductor", Members::Conductors), ("radiation", Members::Radiations), ("load", Members::Loads)];
+    for (kind, of) in kinds {
+        let mut found: BTreeMap<Shared, Vec<usize>> = BTreeMap::new();
         for (index, element) in model.model.elements.iter().enumerate() {
             if element.physics().kind() == kind {
                 let value = element.physics().description(&|node| node.to_string()).value;
-                parameters(model, value).for_each(|parameter| found.entry(parameter).or_default().push(index));
+                // Joints that follow one input need not be of one kind, but what it heats is heated by the same.
+                let shared = shared(model, value).filter(|one| kind == "load" || matches!(one, Shared::Parameter(_)));
+                shared.for_each(|one| found.entry(one).or_default().push(index));
             }
         }
-        let name = |parameter: usize| format!("{kind}s with {}", model.model.parameters[parameter].name);
+        let name = |shared: Shared| match shared {
+            Shared::Parameter(index) => format!("{kind}s with {}", model.model.parameters[index].name),
+            Shared::Input(index) => format!("{kind}s with {}", model.model.inputs[index].name),
+        };
         all.extend(found.into_iter().filter(|(_, own)| own.len() > 1).map(|(key, own)| (name(key), of(own))));
     }
     all
 }
 
-/// The parameters in an expression.
-fn parameters(model: &ResolvedModel, value: ExprId) -> impl Iterator<Item = usize> {
+/// What members have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Shared {
+    /// A parameter of the model.
+    Parameter(usize),
+    /// An input of the model.
+    Input(usize),
+}
+
+/// The parameters and inputs in an expression.
+fn shared(model: &ResolvedModel, value: ExprId) -> impl Iterator<Item = Shared> {
     let symbols = model.model.graph.symbols(value);
     symbols.into_iter().filter_map(|symbol| match symbol {
-        Symbol::Parameter(index) => Some(index as usize),
+        Symbol::Parameter(index) => Some(Shared::Parameter(index as usize)),
+        Symbol::Input(index) => Some(Shared::Input(index as usize)),
         _ => None,
+    })
+}
+
+/// The parameters in an expression.
+fn parameters(model: &ResolvedModel, value: ExprId) -> impl Iterator<Item = usize> {
+    shared(model, value).filter_map(|one| match one {
+        Shared::Parameter(index) => Some(index),
+        Shared::Input(_) => None,
     })
 }
 

@@ -9,7 +9,8 @@ use crate::diagnosis::{Problem, Refit};
 use crate::effect::Effect;
 use crate::inference::target::{LeastSquares, Target};
 
-/// Exchanges that are tried one by one: all those of twenty sensors.
+/// Exchanges that are tried one by one in steady phases: all those of twenty sensors. Of long transients none is without a choice
+/// by predictions: each takes two transients of all rows.
 const MOST_ONE_BY_ONE: usize = 200;
 /// Of more, so many times those wanted are chosen by predictions and then tried.
 const MORE_THAN_WANTED: usize = 4;
@@ -39,7 +40,14 @@ pub fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Ex
     let without = left(problem, baseline, &[])?;
     // Known errors of inputs would be those of the exchanged sensors.
     let are_inputs_exact = problem.input_errors.iter().all(|error| error.sigma.is_none());
-    if all.len() > MOST_ONE_BY_ONE && !problem.has_transients() && are_inputs_exact {
+    let most = if problem.has_long_transients() {
+        MORE_THAN_WANTED * count
+    } else if problem.has_transients() {
+        usize::MAX
+    } else {
+        MOST_ONE_BY_ONE
+    };
+    if all.len() > most && are_inputs_exact {
         all = likeliest_by_predictions(problem, baseline, &all, MORE_THAN_WANTED * count)?;
     }
     for position in all {

@@ -10,8 +10,11 @@
 //! `c` is the integrated autocorrelation time of what the best set leaves, in readings (Sokal 1997), or what counts
 //! errors that come again (Bartlett 1946), whichever is larger; in steady phases a constant.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{exp, ln};
 use crate::watch;
 
@@ -48,30 +51,59 @@ const WINDOW: f64 = 5.0;
 const LEAST_INDEPENDENT: f64 = 30.0;
 
 impl Errors {
-    /// Log likelihood with a model error; `freedom` is the share of the readings that the fit did not use up.
-    pub fn log_likelihood(&self, sd: f64, freedom: f64) -> f64 {
-        self.logs(sd, freedom).sum::<f64>() / self.readings_of_one
-    }
-
-    /// What each reading adds to it.
+    /// What each reading adds to the log likelihood with a model error.
     pub fn of_readings(&self, sd: f64) -> Vec<f64> {
-        self.logs(sd, 1.0).map(|log| log / self.readings_of_one).collect()
+        let of = |(error, &noise): (&f64, &f64)| {
+            OfOneNoise { noise, count: 1.0, square: error * error }.log_likelihood(sd, 1.0) / self.readings_of_one
+        };
+        self.errors.iter().zip(&self.noise).map(of).collect()
+    }
+}
+
+/// Readings with one noise: what a log likelihood needs of them, however many they are.
+#[derive(Clone, Copy, Debug)]
+struct OfOneNoise {
+    /// Standard deviation, SI.
+    noise: f64,
+    /// How many they are.
+    count: f64,
+    /// Sum of their squared errors.
+    square: f64,
+}
+
+impl OfOneNoise {
+    /// All readings of a measurement, by their noise.
+    fn all(measurement: &Errors) -> Vec<Self> {
+        let mut all: BTreeMap<u64, Self> = BTreeMap::new();
+        for (error, &noise) in measurement.errors.iter().zip(&measurement.noise) {
+            let own = all.entry(noise.to_bits()).or_insert(Self { noise, count: 0.0, square: 0.0 });
+            own.count += 1.0;
+            own.square += error * error;
+        }
+        all.into_values().collect()
     }
 
-    fn logs(&self, sd: f64, freedom: f64) -> impl Iterator<Item = f64> {
-        self.errors.iter().zip(&self.noise).map(move |(error, noise)| {
-            let variance = noise * noise + sd * sd;
-            -0.5 * (ln(2.0 * std::f64::consts::PI * variance) + error * error / (freedom * variance))
-        })
+    /// Log likelihood with a model error; `freedom` is the share of the readings that the fit did not use up.
+    fn log_likelihood(&self, sd: f64, freedom: f64) -> f64 {
+        let variance = self.noise * self.noise + sd * sd;
+        -0.5 * (self.count * ln(2.0 * std::f64::consts::PI * variance) + self.square / (freedom * variance))
     }
 }
 
 /// The most likely size of a model error that several measurements have in common, and the log likelihood with it.
 pub fn most_likely(measurements: &[Errors], freedom: f64) -> (f64, f64) {
-    let all = || measurements.iter().flat_map(|one| &one.errors);
-    let square: f64 = all().map(|error| error * error).sum();
-    let rms = (square / (freedom * all().count().max(1) as f64)).sqrt();
-    let log_likelihood = |sd: f64| -> f64 { measurements.iter().map(|one| one.log_likelihood(sd, freedom)).sum() };
+    let by_noise: Vec<(Vec<OfOneNoise>, f64)> =
+        measurements.iter().map(|one| (OfOneNoise::all(one), one.readings_of_one)).collect();
+    let all = || by_noise.iter().flat_map(|(own, _)| own);
+    let square: f64 = all().map(|one| one.square).sum();
+    let count: f64 = all().map(|one| one.count).sum();
+    let rms = (square / (freedom * count.max(1.0))).sqrt();
+    let log_likelihood = |sd: f64| -> f64 {
+        let of = |(own, readings_of_one): &(Vec<OfOneNoise>, f64)| {
+            own.iter().map(|one| one.log_likelihood(sd, freedom)).sum::<f64>() / readings_of_one
+        };
+        by_noise.iter().map(of).sum()
+    };
     let ratio = ln(LARGEST / SMALLEST) / (SIZES - 1) as f64;
     let mut best = (0.0, log_likelihood(0.0));
     for sd in (0..SIZES).map(|k| rms * SMALLEST * exp(ratio * k as f64)).filter(|sd| *sd > 0.0) {
@@ -90,7 +122,11 @@ pub fn readings_of_one(series: &[Vec<f64>]) -> f64 {
     let longest = series.iter().map(Vec::len).max().unwrap_or(0);
     let total: usize = series.iter().map(Vec::len).sum();
     let product = |lag: usize| -> f64 {
-        series.iter().map(|errors| errors.iter().zip(errors.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()).sum()
+        let of_series = |errors: &Vec<f64>| {
+            let later = errors.get(lag..).unwrap_or_default();
+            dot(&errors[..later.len()], later)
+        };
+        series.iter().map(of_series).sum()
     };
     let square = product(0);
     if !(square > 0.0) {

@@ -27,6 +27,8 @@ use crate::measurement::{Rows, sensor_places, total_sd};
 use crate::random::Distribution;
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 /// Sets and effects that are written out.
 const MOST_WRITTEN: usize = 60;
 /// Probability of an effect below which the heat that it would carry is not stated.
@@ -136,9 +138,10 @@ impl Diagnosis {
         ranked.sort_by(|a, b| {
             step(a.2).cmp(&step(b.2)).then(b.0.total_cmp(&a.0)).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2))
         });
-        let most = ranked.into_iter().take(MOST_WRITTEN);
+        ranked.truncate(MOST_WRITTEN);
+        // Those that are grouped are fitted again.
         let mut results: Vec<EffectResult> =
-            most.map(|(probability, _, effect)| self.effect(findings, effect, probability)).collect();
+            ranked.par_iter().map(|&(probability, _, effect)| self.effect(findings, effect, probability)).collect();
         for law in self.laws(findings, &results) {
             let is_curve =
                 |result: &EffectResult| law.confused_with.contains(&result.effect) && result.group == law.group;
@@ -224,7 +227,8 @@ impl Diagnosis {
             let found = findings.problem.refit(&refit.effects, &begin, self.key()).ok()?;
             Some(log_bayes_factor + found.log_evidence - refit.log_evidence).filter(|value| value.is_finite())
         };
-        Some([at(0.5)?, at(2.0)?])
+        let (half, double) = rayon::join(|| at(0.5), || at(2.0));
+        Some([half?, double?])
     }
 }
 

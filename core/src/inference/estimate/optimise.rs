@@ -95,6 +95,11 @@ const UNDAMPED: f64 = 1e-12;
 /// The nearer the lowest point of the parabola, as a share of the step, the more damping grows; below this share no more.
 const LEAST_SHARE: f64 = 0.25;
 
+/// Rows up to which a least-squares problem is made triangular at once.
+const FEW_ROWS: usize = 8192;
+/// Rows of longer ones that are taken together: they stay in the processor's cache.
+const ROWS_TOGETHER: usize = 512;
+
 struct Linearised {
     residuals: Vec<f64>,
     jacobian: Vec<f64>,
@@ -162,8 +167,12 @@ pub fn minimise_beside<O: Objective>(
     while iterations < effort.most_iterations && !converged {
         iterations += 1;
         penalised |= at.penalty_gradient.iter().any(|g| *g != 0.0);
+        let mut squares = vec![0.0; n];
+        for row in at.jacobian.chunks_exact(n) {
+            squares.iter_mut().zip(row).for_each(|(square, j)| *square += j * j);
+        }
         for (i, s) in scale.iter_mut().enumerate() {
-            let norm = at.jacobian.iter().skip(i).step_by(n).map(|j| j * j).sum::<f64>().sqrt();
+            let norm = squares[i].sqrt();
             // What changes nothing over its whole range, as a threshold between two levels of the data, is to stay where
             // it is: scaled by its own vanishing slope alone it would run to a bound, and take the other steps with it.
             *s = norm.max(1.0 / (bounds.upper[i] - bounds.lower[i])).max(f64::MIN_POSITIVE.sqrt());
@@ -281,23 +290,14 @@ fn damped_step(
     x: &[f64],
     bounds: &Bounds,
 ) -> Option<(Vec<f64>, f64)> {
-    let (n, m, k) = (x.len(), at.residuals.len(), free.len());
-    // Columns are divided by their scales, so that the factor is as well conditioned as it can be.
-    let mut stacked = DMatrix::zeros(m + k, k);
-    for (column, &i) in free.iter().enumerate() {
-        for row in 0..m {
-            stacked[(row, column)] = at.jacobian[row * n + i] / scale[i];
-        }
+    let k = free.len();
+    let (stacked, side) = condensed(at, free, scale);
+    let m = stacked.nrows();
+    let mut stacked = stacked.resize_vertically(m + k, 0.0);
+    for column in 0..k {
         stacked[(m + column, column)] = damping.sqrt();
     }
-    let mut side = DVector::zeros(m + k);
-    for (row, r) in at.residuals.iter().enumerate() {
-        side[row] = -r;
-    }
-    let qr = stacked.qr();
-    qr.q_tr_mul(&mut side);
-    let r = qr.r();
-    let mut right = DVector::from_fn(k, |row, _| side[row]);
+    let (r, mut right) = triangular(stacked, side.resize_vertically(m + k, 0.0));
     if at.penalty_gradient.iter().any(|g| *g != 0.0) {
         let pull = DVector::from_fn(k, |row, _| at.penalty_gradient[free[row]] / scale[free[row]]);
         right -= r.tr_solve_upper_triangular(&pull)?;
@@ -306,6 +306,40 @@ fn damped_step(
     let step = cut(solution.as_slice(), free, scale, x, bounds);
     let model = at.predicted(&step);
     (step.iter().all(|s| s.is_finite()) && model > 0.0).then_some((step, model))
+}
+
+/// Rows of the scaled free columns, and the negative residuals, that have the least-squares solutions of all: these where they are
+/// few, else a triangle that grows block by block (Golub & Van Loan 2013, section 5.2.2; Demmel et al. 2012, SIAM J. Sci. Comput. 34,
+/// A206).
+fn condensed(at: &Linearised, free: &[usize], scale: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+    let (n, k) = (at.gradient.len(), free.len());
+    let is_long = at.residuals.len() > FEW_ROWS;
+    let together = if is_long { ROWS_TOGETHER } else { at.residuals.len().max(1) };
+    let (mut matrix, mut side) = (DMatrix::zeros(0, k), DVector::zeros(0));
+    for (jacobian, residuals) in at.jacobian.chunks(together * n).zip(at.residuals.chunks(together)) {
+        let above = matrix.nrows();
+        matrix = matrix.resize_vertically(above + residuals.len(), 0.0);
+        side = side.resize_vertically(above + residuals.len(), 0.0);
+        for (row, values) in jacobian.chunks_exact(n).enumerate() {
+            for (column, &i) in free.iter().enumerate() {
+                // Columns are divided by their scales, so that the factor is as well conditioned as it can be.
+                matrix[(above + row, column)] = values[i] / scale[i];
+            }
+            side[above + row] = -residuals[row];
+        }
+        if is_long {
+            (matrix, side) = triangular(matrix, side);
+        }
+    }
+    (matrix, side)
+}
+
+/// The triangle of a matrix and the right side that goes with it.
+fn triangular(matrix: DMatrix<f64>, mut side: DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let rows = matrix.nrows().min(matrix.ncols());
+    let qr = matrix.qr();
+    qr.q_tr_mul(&mut side);
+    (qr.r(), side.resize_vertically(rows, 0.0))
 }
 
 /// A step of the scaled free variables as one of all variables, cut at the bounds.

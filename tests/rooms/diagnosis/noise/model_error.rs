@@ -28,7 +28,9 @@ fn the_size_beside_known_noise_is_found() {
     let (sd, value) = alone(&measurement_errors);
     // 0.5 K is known to 0.5 / sqrt(4000) = 0.008 K, the size to 0.008 * 0.5 / 0.4; 3.5 of them, and half a step of 8 %.
     assert!((sd - 0.4).abs() < 0.035 + 0.017, "{sd}");
-    assert!(value > measurement_errors.log_likelihood(0.0, 1.0));
+    let at = |sd: f64| measurement_errors.of_readings(sd).iter().sum::<f64>();
+    assert!((value - at(sd)).abs() < 1e-9 * value.abs(), "the sum over the readings");
+    assert!(value > at(0.0) && value > at(0.9 * sd) && value > at(1.1 * sd));
     let white =
         Errors { errors: draws(count, 2).iter().map(|draw| 0.3 * draw).collect(), ..measurement_errors.clone() };
     assert!(alone(&white).0 < 0.1, "noise alone leaves no model error");

@@ -326,3 +326,58 @@ fn a_step_without_a_value_ends_no_descent() {
     let minimum = minimise(&mut Wall, &[0.05], &bounds, effort).expect("a value");
     assert!(minimum.value < 2.0 * ROUGH && minimum.x[0] > 0.05, "{} at {}", minimum.value, minimum.x[0]);
 }
+
+/// So many rows that they are made triangular block by block, the last block shorter than there are columns: a polynomial through
+/// scattered points, against the solution by all rows at once.
+#[test]
+fn a_long_least_squares_problem_has_the_solution_of_all_its_rows() {
+    const ROWS: usize = 40 * 512 + 3;
+    const COLUMNS: usize = 6;
+    struct Polynomial;
+    impl Polynomial {
+        fn design(row: usize) -> [f64; COLUMNS] {
+            let place = row as f64 / ROWS as f64;
+            let mut power = 1.0;
+            std::array::from_fn(|_| std::mem::replace(&mut power, power * place))
+        }
+
+        fn reading(row: usize) -> f64 {
+            // Scattered evenly between -0.5 and 0.5 about a wave.
+            exp(-(row as f64) / 9000.0) + (0.618 * row as f64).fract() - 0.5
+        }
+    }
+    impl Objective for Polynomial {
+        fn dimension(&self) -> usize {
+            COLUMNS
+        }
+
+        fn rows(&self) -> usize {
+            ROWS
+        }
+
+        fn value(&mut self, x: &[f64], residuals: &mut [f64]) -> Option<f64> {
+            for (row, r) in residuals.iter_mut().enumerate() {
+                *r = Self::design(row).iter().zip(x).map(|(a, x)| a * x).sum::<f64>() - Self::reading(row);
+            }
+            Some(0.0)
+        }
+
+        fn slopes(&mut self, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64], pull: &mut [f64]) -> Option<f64> {
+            pull.fill(0.0);
+            for (row, slopes) in jacobian.chunks_exact_mut(COLUMNS).enumerate() {
+                slopes.copy_from_slice(&Self::design(row));
+            }
+            self.value(x, residuals)
+        }
+    }
+    let bounds = Bounds { lower: vec![-1e3; COLUMNS], upper: vec![1e3; COLUMNS] };
+    let effort = Effort { most_iterations: 60, least_gain: 0.0, ceiling: f64::INFINITY };
+    let minimum = minimise(&mut Polynomial, &[0.0; COLUMNS], &bounds, effort).expect("a value");
+    let design = nalgebra::DMatrix::from_fn(ROWS, COLUMNS, |row, column| Polynomial::design(row)[column]);
+    let readings = nalgebra::DVector::from_fn(ROWS, |row, _| Polynomial::reading(row));
+    let solution = design.svd(true, true).solve(&readings, 1e-14).expect("a solution");
+    for (own, other) in minimum.x.iter().zip(solution.iter()) {
+        // The columns' condition is some 5e3.
+        assert!((own - other).abs() < 1e-8, "{:?} {solution}", minimum.x);
+    }
+}

@@ -42,3 +42,22 @@ fn what_the_file_groups_is_not_grouped_again() {
     let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["panels", "nodes with c", "radiations with eps"]);
 }
+
+#[test]
+fn loads_that_share_a_parameter_or_an_input_are_groups() {
+    let loads = r#", "inputs": {"sun": {"nominal": 1361, "unit": "W/m2"}, "bus": {"nominal": 28, "unit": "V"}},
+        "loads": {"on wide": {"into": "wide", "power": "0.02*sun"}, "on narrow": {"into": "narrow", "power": "0.01*sun"},
+                  "own": {"into": "box", "power": "0.1*bus"}, "spread": {"into": "wide", "power": "G"},
+                  "rest": {"into": "box", "power": "2*G"}}"#;
+    let found = groups(&PANELS.replace("GROUPS", loads));
+    let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+    let of_loads = ["loads with G", "loads with sun"];
+    assert_eq!(names[..3], ["nodes with eps to space", "nodes with c", "radiations with eps"]);
+    assert_eq!(names[3..], of_loads, "{names:?}");
+    let members = |name: &str| -> Vec<&str> {
+        let group = found.iter().find(|(own, _)| own == name).expect("a group");
+        group.1.iter().map(|(member, _)| member.as_str()).collect()
+    };
+    assert_eq!(members("loads with sun"), ["on wide", "on narrow"]);
+    assert_eq!(members("loads with G"), ["spread", "rest"]);
+}
