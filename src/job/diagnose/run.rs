@@ -162,7 +162,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        48
+        49
     }
 
     fn identity(&self) -> Value {

@@ -93,13 +93,7 @@ impl BetweenRows {
     }
 
     /// Writes the coordinates of what a transient adds to a sensor's readings, from its changes at the kept rows.
-    pub fn of_changes(
-        &self,
-        transient: usize,
-        sensor: usize,
-        change: impl Fn(usize) -> f64,
-        coordinates: &mut [f64],
-    ) {
+    pub fn of_changes(&self, transient: usize, sensor: usize, change: impl Fn(usize) -> f64, coordinates: &mut [f64]) {
         let own = &self.sensors[transient][sensor];
         let mut slots = coordinates[own.first..own.first + own.dimensions].iter_mut();
         // Where a record begins, a lag has passed.

@@ -97,7 +97,8 @@ fn half_the_square_is_that_of_the_linearisation_with_all_sources_and_with_some()
         let fitted = problem.refit(&[], &begin, &StreamKey::new(1, "test", "heat")).unwrap();
         let all = Sources::new(&problem).unwrap();
         let kinds = [all.list()[1].kind, SourceKind::Sensor(0, 0)];
-        let places: Vec<usize> = (0..all.list().len()).filter(|&place| kinds.contains(&all.list()[place].kind)).collect();
+        let places: Vec<usize> =
+            (0..all.list().len()).filter(|&place| kinds.contains(&all.list()[place].kind)).collect();
         let amplitudes: Vec<f64> = (0..all.list().len())
             .map(|place| if kinds.contains(&all.list()[place].kind) { 0.1 + 0.01 * place as f64 } else { 0.0 })
             .collect();

@@ -90,7 +90,14 @@ impl Courses {
             self.phases.column(base, all[position], &steady, &mut column);
             for (((course, shares), forcing), changes) in self.courses.iter().zip(&shares).zip(&forcings).zip(&changes)
             {
-                draw(base, (course, shares), forcing, all[position], &OwnChanges::new(changes, all.len(), position), &mut column);
+                draw(
+                    base,
+                    (course, shares),
+                    forcing,
+                    all[position],
+                    &OwnChanges::new(changes, all.len(), position),
+                    &mut column,
+                );
             }
             base.whitening.apply(&mut column)?;
             Ok(column)
