@@ -338,7 +338,11 @@ fn a_long_least_squares_problem_has_the_solution_of_all_its_rows() {
         fn design(row: usize) -> [f64; COLUMNS] {
             let place = row as f64 / ROWS as f64;
             let mut power = 1.0;
-            std::array::from_fn(|_| std::mem::replace(&mut power, power * place))
+            std::array::from_fn(|_| {
+                let own = power;
+                power *= place;
+                own
+            })
         }
 
         fn reading(row: usize) -> f64 {
