@@ -85,9 +85,8 @@ fn materials(model: &ResolvedModel) -> Vec<(String, Members)> {
 /// Conductors and radiations that share a parameter, and loads that share a parameter or an input.
 fn alike(model: &ResolvedModel) -> Vec<(String, Members)> {
     let mut all = Vec::new();
-    let kinds: [(&str, fn(Vec<usize>) -> Members); 3] =
-        [("conductor", Members::Conductors), ("radiation", Members::Radiations), ("load", Members::Loads)];
-    for (kind, of) in kinds {
+    let conductors = ("conductor", Members::Conductors as fn(Vec<usize>) -> Members);
+    for (kind, of) in [conductors, ("radiation", Members::Radiations), ("load", Members::Loads)] {
         let mut found: BTreeMap<Shared, Vec<usize>> = BTreeMap::new();
         for (index, element) in model.model.elements.iter().enumerate() {
             if element.physics().kind() == kind {
