@@ -9,10 +9,10 @@ use crate::diagnosis::{Problem, Refit};
 use crate::effect::Effect;
 use crate::inference::target::{LeastSquares, Target};
 
-/// Exchanges that are tried one by one in steady phases: all those of twenty sensors. Of long transients none is without a choice
-/// by predictions: each takes two transients of all rows.
+/// Exchanges that are tried one by one in steady phases: all those of twenty sensors.
 const MOST_ONE_BY_ONE: usize = 200;
-/// Of more, so many times those wanted are chosen by predictions and then tried.
+/// Of more, so many times those wanted are chosen by predictions and then tried; so they are of long transients, where each
+/// exchange takes two courses of all rows.
 const MORE_THAN_WANTED: usize = 4;
 
 /// Candidates that exchange channels.

@@ -1,6 +1,6 @@
 //! The whitened problem, linearised at a fit, and the directions in which effects would move it.
 //!
-//! `signature`: the directions of effects. `threshold_levels`: the levels of data between which thresholds lie.
+//! `signature`: the directions of effects. `between_rows`: coordinates of those of long records. `threshold_levels`: the levels of data between which thresholds lie.
 //! `scalar_products`, `bounded`: what scores rest on.
 
 pub mod between_rows;
