@@ -30,6 +30,13 @@ const LEAST_INSIDE: f64 = -12.0;
 pub struct Amplitude<'a> {
     /// By row.
     pub values: &'a [f64],
+    /// The amplitude beforehand.
+    pub prior: Cut,
+}
+
+/// A normal distribution about 0, cut at bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
     /// Standard deviation before the cut, above 0.
     pub sd: f64,
     /// Lower bound, at most 0: 0 for a half-normal amplitude, minus infinity for a normal one.
@@ -38,20 +45,10 @@ pub struct Amplitude<'a> {
     pub upper: f64,
 }
 
-/// A normal distribution about 0, cut at bounds.
-#[derive(Clone, Copy, Debug)]
-pub struct Cut {
-    /// Standard deviation before the cut, above 0.
-    pub sd: f64,
-    /// Lower bound, at most 0.
-    pub lower: f64,
-    /// Upper bound, at least 0.
-    pub upper: f64,
-}
-
-impl Amplitude<'_> {
-    fn cut(&self) -> Cut {
-        Cut { sd: self.sd, lower: self.lower, upper: self.upper }
+impl Cut {
+    /// A normal distribution without bounds.
+    pub fn nowhere(sd: f64) -> Self {
+        Self { sd, lower: f64::NEG_INFINITY, upper: f64::INFINITY }
     }
 }
 
@@ -102,7 +99,7 @@ impl<'a> Evidence<'a> {
     pub fn log_evidence(&self, added: &[Amplitude<'_>]) -> Option<f64> {
         let columns: Vec<&[f64]> = added.iter().map(|amplitude| amplitude.values).collect();
         let products = self.products(&columns);
-        let priors: Vec<(Cut, &Products)> = added.iter().map(Amplitude::cut).zip(&products).collect();
+        let priors: Vec<(Cut, &Products)> = added.iter().map(|amplitude| amplitude.prior).zip(&products).collect();
         self.log_evidence_by_products(&priors, &|one, other| dot(columns[one], columns[other]))
     }
 

@@ -101,8 +101,8 @@ impl<'a> Kinds<'a> {
     }
 
     fn log_evidence(&self, needed: &Needed) -> Option<f64> {
-        let cut = |sd: f64| Cut { sd, lower: f64::NEG_INFINITY, upper: f64::INFINITY };
-        let added: Vec<(Cut, &Products)> = needed.iter().map(|&(place, sd)| (cut(sd), &self.products[place])).collect();
+        let added: Vec<(Cut, &Products)> =
+            needed.iter().map(|&(place, sd)| (Cut::nowhere(sd), &self.products[place])).collect();
         let between = |one: usize, other: usize| {
             let (one, other) = (needed[one].0, needed[other].0);
             self.between.get(&(one.min(other), one.max(other))).copied().unwrap_or(f64::NAN)
@@ -146,12 +146,7 @@ impl<'a> Kinds<'a> {
 }
 
 fn amplitudes<'a>(state: &'a State, chosen: &Needed) -> Vec<Amplitude<'a>> {
-    let free = |&(place, sd): &(usize, f64)| Amplitude {
-        values: &state.columns[place],
-        sd,
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-    };
+    let free = |&(place, sd): &(usize, f64)| Amplitude { values: &state.columns[place], prior: Cut::nowhere(sd) };
     chosen.iter().map(free).collect()
 }
 

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 const INFINITE: f64 = f64::INFINITY;
 
 fn normal<'a>(values: &'a [f64], sd: f64) -> Amplitude<'a> {
-    Amplitude { values, sd, lower: -INFINITE, upper: INFINITE }
+    Amplitude { values, prior: Cut { sd, lower: -INFINITE, upper: INFINITE } }
 }
 
 /// Density of `r` for the covariance `1 + sum of sd^2 c c'`.
@@ -60,7 +60,7 @@ fn a_half_normal_amplitude_has_twice_the_probability_of_its_sign() {
     let g = random_direction(0, 8, 1, &mut stream);
     let evidence = Evidence::new(&linear);
     for sd in [0.1, 1.0, 30.0] {
-        let half = Amplitude { lower: 0.0, ..normal(&g.columns, sd) };
+        let half = Amplitude { values: &g.columns, prior: Cut { sd, lower: 0.0, upper: INFINITE } };
         let precision = dot(&g.columns, &g.columns) + 1.0 / (sd * sd);
         let mean_over_sd = dot(&g.columns, &linear.residuals) / sqrt(precision);
         let expected = dense(&linear.residuals, &[(&g.columns, sd)]) + ln(2.0 * normal_cdf(mean_over_sd));
@@ -93,7 +93,7 @@ fn uniform_parameters_at_a_bound_are_integrated() {
     assert!((evidence.log_evidence(&[]).unwrap() - alone).abs() < 1e-6);
     let prior = |a: f64| 2.0 * exp(-0.5 * a * a / (sd * sd)) / (sd * sqrt(2.0 * std::f64::consts::PI));
     let both = ln(0.5 * rule.integrate(0.0, 2.0, |d| rule.integrate(0.0, 8.0, |a| density(d, a) * prior(a))));
-    let half = Amplitude { lower: 0.0, ..normal(&g.columns, sd) };
+    let half = Amplitude { values: &g.columns, prior: Cut { sd, lower: 0.0, upper: INFINITE } };
     // The box probability's own error.
     assert!((evidence.log_evidence(&[half]).unwrap() - both).abs() < 5e-3, "{both}");
     // A parameter that the data do not see changes nothing.
