@@ -1,14 +1,19 @@
 //! `bmv plan`.
 
 use super::options::{PathsArgument, RunOptions};
-use super::output::{escaped, print, print_json, table};
+use super::output::{escaped, print, print_json, table, tell};
 use super::status::{Failure, Status};
 use super::{Context, execute};
 use crate::batch;
 use crate::batch::memory::{self, WORTH_TELLING, bytes_text};
 use crate::document::counted;
+use crate::document::suggest::listed;
 use crate::runner::progress::duration_text;
 use crate::runner::{Plan, WorkHistory};
+use crate::study::resolve::influence;
+
+/// Inputs that are named of those that a model does not use.
+const NAMED: usize = 8;
 
 /// Arguments of `bmv plan`.
 #[derive(Debug, clap::Args)]
@@ -79,6 +84,17 @@ impl PlanVerb {
             table(&rows, context.fold),
             counted(lines.len(), "job")
         ))?;
+        for pass in &loaded.passes {
+            let unused = influence::unused(&pass.pass);
+            if !unused.is_empty() {
+                tell(&format!(
+                    "{}: by its model no reading depends on {}; a diagnosis asks whether something missing follows {}",
+                    pass.shown,
+                    listed(unused.iter().copied(), NAMED),
+                    if unused.len() == 1 { "it" } else { "them" }
+                ));
+            }
+        }
         memory::check(&lines)?;
         Ok(status)
     }

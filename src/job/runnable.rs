@@ -2,12 +2,13 @@
 
 use std::any::Any;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use serde_json::Value;
 
 use super::stored::{self, Block, ResultDocument, unreadable};
 use super::{Done, Job, JobError, Parts, Step};
+use crate::document::hash::sha256;
 use crate::thermal::External;
 
 /// What a stage is called of which not all blocks are there.
@@ -17,6 +18,8 @@ const SO_FAR: &str = "so far";
 #[derive(Clone)]
 pub struct State {
     bytes: Vec<u8>,
+    /// Found when it is asked for: every block of a stage has it in its name, and a state may be long.
+    sha256: OnceLock<[u8; 32]>,
     value: Arc<dyn Any + Send + Sync>,
 }
 
@@ -25,7 +28,11 @@ impl State {
         let bytes = state.into_bytes()?;
         // As another machine would read it, so that nothing lives in memory alone.
         let value = Arc::new(T::from_bytes(&bytes, stage)?);
-        Ok(Self { bytes, value })
+        Ok(Self::of(bytes, value))
+    }
+
+    fn of(bytes: Vec<u8>, value: Arc<dyn Any + Send + Sync>) -> Self {
+        Self { bytes, sha256: OnceLock::new(), value }
     }
 
     fn get<T: 'static>(&self, stage: &str) -> Result<&T, JobError> {
@@ -35,6 +42,11 @@ impl State {
     /// The stored form, part of each block's identity.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// SHA-256 of that.
+    pub fn sha256(&self) -> [u8; 32] {
+        *self.sha256.get_or_init(|| sha256(&self.bytes))
     }
 }
 
@@ -147,7 +159,7 @@ impl<J: Job + 'static> Runnable for J {
     fn stage(&self, name: &str, state: Vec<u8>, inputs: Vec<Vec<u8>>) -> Result<Stage, JobError> {
         let value = J::State::from_bytes(&state, name)?;
         let is_last = self.is_last(&value);
-        Ok(Stage { name: name.to_owned(), state: State { bytes: state, value: Arc::new(value) }, inputs, is_last })
+        Ok(Stage { name: name.to_owned(), state: State::of(state, Arc::new(value)), inputs, is_last })
     }
 
     fn begin(&self) -> Result<Next, JobError> {

@@ -116,8 +116,8 @@ impl KeyMaterial {
     }
 }
 
-/// Identity of a block; `known` is what it works on: the state of its stage and its own input.
-pub fn block_key(job: &Key, stage: &str, index: usize, known: &[&[u8]]) -> Key {
+/// Identity of a block; `known` are the SHA-256 of what it works on: of the state of its stage and of its own input.
+pub fn block_key(job: &Key, stage: &str, index: usize, known: [[u8; 32]; 2]) -> Key {
     let mut hash = Sha256::new();
     hash.update(BLOCK_VERSION.to_le_bytes());
     hash.update(job.as_str());
@@ -125,7 +125,7 @@ pub fn block_key(job: &Key, stage: &str, index: usize, known: &[&[u8]]) -> Key {
     hash.update((stage.len() as u64).to_le_bytes());
     hash.update(stage);
     hash.update((index as u64).to_le_bytes());
-    known.iter().for_each(|bytes| hash.update(Sha256::digest(bytes)));
+    known.iter().for_each(|digest| hash.update(digest));
     Key::from_digest(&hash.finalize())
 }
 

@@ -101,13 +101,41 @@ fn a_comparison_says_of_which_sensors_little_was_asked() {
     let nowhere = "The comparison finds no place where the model fails.";
     let unstated = said("}");
     assert!(
-        unstated.contains(&format!(
-            "{nowhere} Of `plate` that means no reading more than 3 K from its prediction: their noise"
-        )),
+        unstated.contains(
+            "No deviation exceeds a limit that is stated; the largest RMSE is 3.0 K (plate). Of `plate` that means no reading \
+             more than 3 K from its prediction: their noise"
+        ) && !unstated.contains(nowhere),
         "{unstated}"
     );
     let stated = said(r#", "sigma": {"value": 5, "unit": "K"}}"#);
     assert!(stated.contains(nowhere) && !stated.contains("that means"), "{stated}");
+}
+
+#[test]
+fn sensors_that_fail_alike_are_one_sentence_after_the_worst() {
+    let root = plate();
+    let names = ["plate", "a", "b", "c", "d", "e"];
+    // Of 43 and 33 degC predicted 40 and 30; `d` errs less than half as much, `e` the other way.
+    let errors = [3.0, 2.5, 2.0, 2.8, 1.2, -2.9];
+    let list = |of: &dyn Fn(&str) -> String| names.map(of).join(", ");
+    let columns = list(&|name| format!(r#""{name}": {{"header": "{name}", "unit": "degC"}}"#));
+    let sensors = list(&|name| format!(r#""{name}": {{"measures": "plate", "sigma": {{"value": 0.5, "unit": "K"}}}}"#));
+    let pass = PASS
+        .replace(r#""plate": {"header": "plate", "unit": "degC"}"#, &columns)
+        .replace(r#""plate": {"measures": "plate", "sigma": {"value": 0.5, "unit": "K"}}"#, &sensors);
+    fs::write(root.path().join("plate/pass-1.json"), pass).unwrap();
+    let row = |base: f64| errors.map(|error| (base + error).to_string()).join(",");
+    let rows = format!("phase,Q,wall,{}\nP1,10,20,{}\nP2,5,20,{}\n", names.join(","), row(40.0), row(30.0));
+    fs::write(root.path().join("plate/data/balance.csv"), rows).unwrap();
+    let said =
+        printed(root.path(), &["compare", "plate/pass-1.json"]).split_whitespace().collect::<Vec<&str>>().join(" ");
+    let alike = "`c`, `a` and `b` fail like plate: the model is too cold; measured minus predicted is +2.00 K to +2.80 K on \
+                 average, RMSE 2.00 K to 2.80 K.";
+    assert!(
+        said.contains(&format!("in phase P2. - {alike} - e: the model is too hot;")) && said.contains("- d: the model"),
+        "{said}"
+    );
+    assert!(!said.contains("- a:") && !said.contains("- c:"), "{said}");
 }
 
 #[test]

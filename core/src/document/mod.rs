@@ -13,6 +13,7 @@ pub mod map;
 pub mod name;
 pub mod number;
 pub mod other_tools;
+pub mod packed;
 pub mod prior;
 pub mod quantity;
 pub mod result_words;

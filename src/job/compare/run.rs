@@ -405,7 +405,7 @@ impl Job for Compare {
     }
 
     fn algorithm_version(&self) -> u32 {
-        8
+        9
     }
 
     fn identity(&self) -> Value {

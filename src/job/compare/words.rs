@@ -1,14 +1,21 @@
 //! Where a comparison fails, in words: sensor, direction, when, and what the error goes with.
 
-use super::deviation::KELVIN;
-use super::output::{SensorSummary, Trend};
+use super::deviation::{KELVIN, deviation};
+use super::output::{Deviation, SensorSummary, Trend};
 use super::readings::{Readings, Row};
 use super::stretch;
+use crate::document::suggest::listed;
 use crate::document::time;
 use crate::measurement::{Measurement, Rows};
 
 /// Most trends named for a sensor.
 const TRENDS_NAMED: usize = 2;
+/// Sensors that fail like a worse one from which on one sentence is about all of them.
+const FEWEST_ALIKE: usize = 3;
+/// Least RMSE of a sensor that fails like a worse one, as a share of that one's.
+const LEAST_ALIKE: f64 = 0.5;
+/// Sensors that such a sentence names.
+const NAMED: usize = 6;
 
 /// A temperature difference (or another unit's) with its sign and two or three useful digits.
 pub fn signed(value: f64, unit: &str) -> String {
@@ -17,7 +24,7 @@ pub fn signed(value: f64, unit: &str) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// One sentence a sensor that fails, the worst sensor first.
+/// One sentence a sensor that fails, the worst sensor first; one for several that fail like a worse one.
 ///
 /// A sensor fails where its RMSE on the readings for fitting or on those held out is above what the noise would give to so
 /// many readings (95 %), or, where the noise is not known, where any reading in kelvin is beyond `limit_k`.
@@ -41,7 +48,18 @@ pub fn fails(
     let mut failing: Vec<(&SensorSummary, f64)> =
         sensors.iter().map(|sensor| (sensor, excess(sensor))).filter(|(_, excess)| *excess > 1.0).collect();
     failing.sort_by(|a, b| b.1.total_cmp(&a.1));
-    failing.iter().map(|(sensor, _)| sentence(sensor, sensors, measurements, trends, rows)).collect()
+    let mut rest: Vec<Failing<'_>> =
+        failing.into_iter().map(|(sensor, _)| Failing::new(sensor, sensors, rows)).collect();
+    let mut sentences = Vec::new();
+    while !rest.is_empty() {
+        let first = rest.remove(0);
+        sentences.push(first.sentence(measurements, trends));
+        if rest.iter().filter(|own| own.is_like(&first)).count() >= FEWEST_ALIKE {
+            let alike: Vec<Failing<'_>> = rest.extract_if(.., |own| own.is_like(&first)).collect();
+            sentences.push(together(&first, &alike));
+        }
+    }
+    sentences
 }
 
 /// The last instant of a record, s.
@@ -52,70 +70,113 @@ fn longest_s(measurement: &Measurement) -> f64 {
     }
 }
 
-fn sentence(
-    sensor: &SensorSummary,
-    sensors: &[SensorSummary],
-    measurements: &[Measurement],
-    trends: &[Trend],
-    rows: &Readings,
-) -> String {
-    let sensor_rows: Vec<Row<&str>> = rows.of(&sensor.measurement, &sensor.sensor).collect();
-    let all: Vec<f64> = sensor_rows.iter().map(Row::deviation).collect();
-    let overall = super::deviation::deviation(&all, None);
-    let one_sided = all.iter().filter(|d| (**d > 0.0) == (overall.mean > 0.0)).count() as f64 / all.len().max(1) as f64;
-    let temperature = sensor.unit == KELVIN;
-    let direction = match (overall.mean > 0.0, temperature) {
-        _ if one_sided < 0.75 => "the model is wrong in both directions",
-        (true, true) => "the model is too cold",
-        (false, true) => "the model is too hot",
-        (true, false) => "the model is too low",
-        (false, false) => "the model is too high",
-    };
-    // A transient in parts has each sensor once a part.
-    let is_in_several = sensors.iter().any(|own| own.sensor == sensor.sensor && own.measurement != sensor.measurement);
-    let of = if is_in_several { format!(" in {}", sensor.measurement) } else { String::new() };
-    let mut text = format!(
-        "{}{of}: {direction}; measured minus predicted is {} on average, RMSE {}",
-        sensor.sensor,
-        signed(overall.mean, &sensor.unit),
-        signed(overall.rmse, &sensor.unit).trim_start_matches('+'),
-    );
-    if sensor.train.count > 0 && sensor.held_out.count > 0 {
-        text.push_str(&format!(
-            " ({} on the readings for fitting, {} on those held out)",
-            signed(sensor.train.rmse, &sensor.unit).trim_start_matches('+'),
-            signed(sensor.held_out.rmse, &sensor.unit).trim_start_matches('+'),
-        ));
-    }
-    let worst = sensor_rows.iter().max_by(|a, b| a.deviation().abs().total_cmp(&b.deviation().abs()));
-    if let Some(row) = worst {
-        let place = match (row.phase, row.time_s) {
-            (Some(phase), _) => format!("in phase {phase}"),
-            (None, Some(time_s)) => {
-                let deviations: Vec<(f64, f64)> =
-                    sensor_rows.iter().filter_map(|row| Some((row.time_s?, row.deviation()))).collect();
-                let own = measurements.iter().find(|own| own.name == sensor.measurement);
-                let at = time::instant(time_s, own.map_or(time_s, longest_s));
-                match own.and_then(|own| stretch::worst(own, &deviations)) {
-                    Some(stretch) => format!("at {at}; worst stretch {stretch}"),
-                    None => format!("at {at}"),
-                }
-            }
-            (None, None) => String::new(),
+/// A sensor that fails.
+struct Failing<'a> {
+    sensor: &'a SensorSummary,
+    rows: Vec<Row<&'a str>>,
+    /// All its deviations together.
+    overall: Deviation,
+    /// Which way the model is wrong.
+    direction: &'static str,
+    /// ` in MEASUREMENT` where several measurements have the sensor: a transient in parts has each sensor once a part.
+    of: String,
+}
+
+impl<'a> Failing<'a> {
+    fn new(sensor: &'a SensorSummary, sensors: &[SensorSummary], rows: &'a Readings) -> Self {
+        let rows: Vec<Row<&str>> = rows.of(&sensor.measurement, &sensor.sensor).collect();
+        let all: Vec<f64> = rows.iter().map(Row::deviation).collect();
+        let overall = deviation(&all, None);
+        let is_of_mean = |d: &&f64| (**d > 0.0) == (overall.mean > 0.0);
+        let one_sided = all.iter().filter(is_of_mean).count() as f64 / all.len().max(1) as f64;
+        let direction = match (overall.mean > 0.0, sensor.unit == KELVIN) {
+            _ if one_sided < 0.75 => "the model is wrong in both directions",
+            (true, true) => "the model is too cold",
+            (false, true) => "the model is too hot",
+            (true, false) => "the model is too low",
+            (false, false) => "the model is too high",
         };
-        text.push_str(&format!(", at worst {} {place}", signed(row.deviation(), &sensor.unit)));
+        let is_in_several =
+            sensors.iter().any(|own| own.sensor == sensor.sensor && own.measurement != sensor.measurement);
+        let of = if is_in_several { format!(" in {}", sensor.measurement) } else { String::new() };
+        Self { sensor, rows, overall, direction, of }
     }
-    let named: Vec<String> = trends
-        .iter()
-        .filter(|t| {
-            t.measurement == sensor.measurement && t.sensor == sensor.sensor && t.slope.abs() > 3.0 * t.slope_error
-        })
-        .take(TRENDS_NAMED)
-        .map(|t| format!("{} ({} over its range)", t.against, signed(t.change, &sensor.unit)))
-        .collect();
-    if !named.is_empty() {
-        text.push_str(&format!("; the error goes with {}", named.join(" and ")));
+
+    /// Whether it fails in the same direction as a worse one of its measurement, and hardly less.
+    fn is_like(&self, worse: &Self) -> bool {
+        self.sensor.measurement == worse.sensor.measurement
+            && self.sensor.unit == worse.sensor.unit
+            && self.direction == worse.direction
+            && self.overall.rmse >= LEAST_ALIKE * worse.overall.rmse
     }
-    text.push('.');
-    text
+
+    fn sentence(&self, measurements: &[Measurement], trends: &[Trend]) -> String {
+        let Self { sensor, rows, overall, direction, of } = self;
+        let mut text = format!(
+            "{}{of}: {direction}; measured minus predicted is {} on average, RMSE {}",
+            sensor.sensor,
+            signed(overall.mean, &sensor.unit),
+            signed(overall.rmse, &sensor.unit).trim_start_matches('+'),
+        );
+        if sensor.train.count > 0 && sensor.held_out.count > 0 {
+            text.push_str(&format!(
+                " ({} on the readings for fitting, {} on those held out)",
+                signed(sensor.train.rmse, &sensor.unit).trim_start_matches('+'),
+                signed(sensor.held_out.rmse, &sensor.unit).trim_start_matches('+'),
+            ));
+        }
+        let worst = rows.iter().max_by(|a, b| a.deviation().abs().total_cmp(&b.deviation().abs()));
+        if let Some(row) = worst {
+            let place = match (row.phase, row.time_s) {
+                (Some(phase), _) => format!("in phase {phase}"),
+                (None, Some(time_s)) => {
+                    let deviations: Vec<(f64, f64)> =
+                        rows.iter().filter_map(|row| Some((row.time_s?, row.deviation()))).collect();
+                    let own = measurements.iter().find(|own| own.name == sensor.measurement);
+                    let at = time::instant(time_s, own.map_or(time_s, longest_s));
+                    match own.and_then(|own| stretch::worst(own, &deviations)) {
+                        Some(stretch) => format!("at {at}; worst stretch {stretch}"),
+                        None => format!("at {at}"),
+                    }
+                }
+                (None, None) => String::new(),
+            };
+            text.push_str(&format!(", at worst {} {place}", signed(row.deviation(), &sensor.unit)));
+        }
+        let named: Vec<String> = trends
+            .iter()
+            .filter(|t| {
+                t.measurement == sensor.measurement && t.sensor == sensor.sensor && t.slope.abs() > 3.0 * t.slope_error
+            })
+            .take(TRENDS_NAMED)
+            .map(|t| format!("{} ({} over its range)", t.against, signed(t.change, &sensor.unit)))
+            .collect();
+        if !named.is_empty() {
+            text.push_str(&format!("; the error goes with {}", named.join(" and ")));
+        }
+        text.push('.');
+        text
+    }
+}
+
+/// A sentence on sensors that fail like a worse one.
+fn together(first: &Failing<'_>, alike: &[Failing<'_>]) -> String {
+    let unit = &first.sensor.unit;
+    let range = |of: fn(&Deviation) -> f64| {
+        let values = || alike.iter().map(|own| of(&own.overall));
+        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let ([least, most], [smallest, largest]) = (range(|own| own.mean), range(|own| own.rmse));
+    let unsigned = |value: f64| signed(value, unit).trim_start_matches('+').to_owned();
+    format!(
+        "{} fail like {}{}: {}; measured minus predicted is {} to {} on average, RMSE {} to {}.",
+        listed(alike.iter().map(|own| own.sensor.sensor.as_str()), NAMED),
+        first.sensor.sensor,
+        first.of,
+        first.direction,
+        signed(least, unit),
+        signed(most, unit),
+        unsigned(smallest),
+        unsigned(largest),
+    )
 }

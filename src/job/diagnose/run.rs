@@ -56,12 +56,51 @@ pub enum Known {
 /// What a block found.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Partial {
-    /// After the screening, and after further sets were sought.
+    /// After the screening.
     State(Box<State>),
+    /// After further sets were sought.
+    Extended(Extended),
     /// Of each set.
     Refits(Vec<Result<Refit, Unfitted>>),
     /// The diagnosis.
     Output(Box<Output>),
+}
+
+/// What is known after further sets were sought, without the fits that were known before: there are many, and each is long.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Extended {
+    /// All but the fits.
+    state: Box<State>,
+    /// The fits.
+    refits: Vec<KnownOrNew>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum KnownOrNew {
+    /// Position among those that were known before.
+    Known(usize),
+    New(Box<Refit>),
+}
+
+impl Extended {
+    fn new(before: &State, mut state: State) -> Self {
+        let of = |refit: Refit| match before.refits.iter().position(|known| *known == refit) {
+            Some(place) => KnownOrNew::Known(place),
+            None => KnownOrNew::New(Box::new(refit)),
+        };
+        let refits = std::mem::take(&mut state.refits).into_iter().map(of).collect();
+        Self { state: Box::new(state), refits }
+    }
+
+    /// What is known, by what was known before. `None` of a fit that was not.
+    fn beside(self, before: &State) -> Option<Box<State>> {
+        let of = |refit| match refit {
+            KnownOrNew::Known(place) => before.refits.get(place).cloned(),
+            KnownOrNew::New(refit) => Some(*refit),
+        };
+        let refits = self.refits.into_iter().map(of).collect::<Option<_>>()?;
+        Some(Box::new(State { refits, ..*self.state }))
+    }
 }
 
 impl Diagnose {
@@ -162,7 +201,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        49
+        50
     }
 
     fn identity(&self) -> Value {
@@ -209,7 +248,9 @@ impl Job for Diagnose {
                 }
                 Partial::Refits(refits)
             }
-            Known::Extend(state) => Partial::State(Box::new(quietly(|| self.diagnosis.extend(State::clone(state))))),
+            Known::Extend(state) => {
+                Partial::Extended(Extended::new(state, quietly(|| self.diagnosis.extend(State::clone(state)))))
+            }
             Known::Conclude(state) => Partial::Output(Box::new(quietly(|| self.diagnosis.conclude(state)))),
         })
     }
@@ -227,6 +268,16 @@ impl Job for Diagnose {
         for (_, partial) in blocks {
             match partial {
                 Partial::State(state) => return Ok(self.next(state)),
+                Partial::Extended(extended) => {
+                    let before = match &known {
+                        Known::Extend(before) => extended.beside(before),
+                        _ => None,
+                    };
+                    return match before {
+                        Some(state) => Ok(self.next(state)),
+                        None => Err(JobError::Failed("sets were sought beside others than were fitted".to_owned())),
+                    };
+                }
                 Partial::Output(output) => return Ok(Step::Done(Box::new(self.finish(*output)))),
                 Partial::Refits(block_refits) => refits.extend(block_refits),
             }

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use crate::document::counted;
 use crate::document::suggest::listed;
-use crate::job::compare::{Deviation, KELVIN, Kind, Output, SensorSummary};
+use crate::job::compare::{Deviation, HeatBalance, KELVIN, Kind, Output, SensorSummary};
 use crate::measurement::Rows;
 use crate::report::number::{
     NONE, Shown, as_given, fixed, percent, signed, significant, stated, typeset, with_error, with_unit,
@@ -24,6 +24,9 @@ pub(super) use figures::{Shows, phase_map, time_history};
 
 /// Readings up to which the table of all of them is part of the report.
 const MOST_ROWS: usize = 300;
+
+/// Share of the largest heat of a balance below which heat is rounding of the solver.
+const LEAST_HEAT: f64 = 1e-5;
 
 /// Names that a sentence lists.
 const NAMED: usize = 6;
@@ -133,7 +136,16 @@ fn nowhere(output: &Output) -> String {
         let names: BTreeSet<&str> = sensors.iter().map(|sensor| sensor.sensor.as_str()).collect();
         listed(names, NAMED)
     };
-    let mut sentences = vec!["The comparison finds no place where the model fails.".to_owned()];
+    let mut sentences =
+        vec![match worst_sensor(output).filter(|_| output.sensors.iter().all(|own| is_unjudged(&own))) {
+            // What is not judged does not fail, however large it is.
+            Some(worst) => format!(
+                "No deviation exceeds a limit that is stated; the largest RMSE is {} ({}).",
+                with_unit(&significant(worst_rmse(worst), 2), &worst.unit),
+                worst.sensor
+            ),
+            None => "The comparison finds no place where the model fails.".to_owned(),
+        }];
     if let Some((limit, sensors)) = within {
         sentences.push(format!(
             "Of {} that means no reading more than {} K from its prediction: their noise is not stated, so that smaller errors are \
@@ -382,7 +394,9 @@ fn heat(output: &Output) -> Option<Block> {
     let mut columns = vec![Column::text("Phase"), Column::number("Sources", "W")];
     columns.extend(boundaries.iter().map(|b| Column::number(format!("into {b}"), "W")));
     columns.extend([Column::number("Stored", "W"), Column::number("Imbalance", "W")]);
-    let watts = |w: f64| Cell::from(if w.abs() < 5e-7 { "0".to_owned() } else { significant(w, 3) });
+    let of_phase = |h: &HeatBalance| h.into_boundaries_w.iter().map(|(_, w)| w.abs()).fold(h.sources_w.abs(), f64::max);
+    let least = LEAST_HEAT * output.heat.iter().map(of_phase).fold(0.0, f64::max);
+    let watts = |w: f64| Cell::from(if w.abs() < least { "0".to_owned() } else { significant(w, 3) });
     let rows = output
         .heat
         .iter()

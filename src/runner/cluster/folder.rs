@@ -23,6 +23,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::options::Options;
+use crate::document::hash::sha256;
 use crate::job::Stage;
 use crate::runner::cache::Cache;
 use crate::runner::error::RunnerError;
@@ -369,7 +370,7 @@ pub(super) struct WrittenStage {
 impl WrittenStage {
     /// The name of a block's output in the cache.
     pub fn block(&self, owner: &Key, index: usize) -> Option<Key> {
-        Some(block_key(owner, &self.name, index, &[&self.state, self.inputs.get(index)?]))
+        Some(block_key(owner, &self.name, index, [sha256(&self.state), sha256(self.inputs.get(index)?)]))
     }
 }
 

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::{Outcome, block_name};
+use crate::document::hash::sha256;
 use crate::job::{JobError, Parts, Runnable, Stage};
 use crate::runner::cache::{Cache, Kind, Lookup};
 use crate::runner::error::RunnerError;
@@ -160,8 +161,8 @@ struct KeptParts<'r, 'a> {
 impl KeptParts<'_, '_> {
     fn name(&self, part: u64) -> Key {
         let Stage { name, state, inputs, .. } = self.stage;
-        let determining = [state.bytes(), &inputs[self.index]];
-        block_key(self.owner, &format!("{name}, part {part}"), self.index, &determining)
+        let determining = [state.sha256(), sha256(&inputs[self.index])];
+        block_key(self.owner, &format!("{name}, part {part}"), self.index, determining)
     }
 }
 

@@ -13,11 +13,12 @@ use std::time::Duration;
 use super::error::RunnerError;
 use super::key::{Key, block_key};
 use super::stored::Stored;
+use crate::document::hash::sha256;
 use crate::job::Stage;
 
 /// The name of the output of a stage's block in the cache; `owner` is the job's key.
 pub(super) fn block_name(owner: &Key, stage: &Stage, index: usize) -> Key {
-    block_key(owner, &stage.name, index, &[stage.state.bytes(), &stage.inputs[index]])
+    block_key(owner, &stage.name, index, [stage.state.sha256(), sha256(&stage.inputs[index])])
 }
 
 /// Asks a run to stop: no block is begun, one that runs is left at its next look at the flag, and what was finished is

@@ -8,6 +8,9 @@ use crate::thermal::NodeKind;
 use super::group_places;
 use super::scope::Scope;
 
+/// Inputs of an effect that a message names.
+const NAMED: usize = 12;
+
 /// A place that was found.
 pub struct Placed {
     /// The place.
@@ -215,11 +218,11 @@ pub fn bound(
     for entry in &usage.value.inputs {
         if !input_names.contains(&entry.name.as_str()) {
             let message = format!("`{}` has no input `{}`", effect.name, entry.name);
-            let expected = suggest::listed(input_names.iter().copied(), 12);
+            let expected = suggest::listed(input_names.iter().copied(), NAMED);
             scope.error(&code::EFFECT_INPUT, &entry.name_place, message, &expected);
         }
     }
-    let mut bound = Vec::new();
+    let (mut bound, mut not_bound) = (Vec::new(), Vec::new());
     for entry in &effect.form.inputs {
         if let Some(clock) = entry.value.clock() {
             bound.push(Bound::Input(scope.resolved.clock_input(clock)));
@@ -227,10 +230,7 @@ pub fn bound(
         }
         let given = usage.value.inputs.get(&entry.name).map(|given| &given.value);
         let Some(given) = given.or(node) else {
-            let message = format!("the input `{}` of `{}` is not bound", entry.name, effect.name);
-            let what = if entry.value.temperature { "an input or a node" } else { "an input" };
-            let expected = format!("\"inputs\": {{\"{}\": NAME}}, {what} of the model", entry.name);
-            scope.error(&code::EFFECT_INPUT, &usage.name_place, message, &expected);
+            not_bound.push(entry);
             continue;
         };
         let input = scope.resolved.input(&given.value).map(Bound::Input);
@@ -259,6 +259,18 @@ pub fn bound(
                 scope.error(&code::EFFECT_INPUT, &given.place, message, &expected);
             }
         }
+    }
+    if !not_bound.is_empty() {
+        let names = suggest::listed(not_bound.iter().map(|entry| entry.name.as_str()), NAMED);
+        let (inputs, are) = if not_bound.len() == 1 { ("input", "is") } else { ("inputs", "are") };
+        let message = format!("the {inputs} {names} of `{}` {are} not bound", effect.name);
+        let written: Vec<String> = not_bound.iter().map(|entry| format!("\"{}\": NAME", entry.name)).collect();
+        let what = match not_bound.iter().any(|entry| entry.value.temperature) {
+            true => "an input, or a node for its temperature,",
+            false => "an input",
+        };
+        let expected = format!("\"inputs\": {{{}}}; each NAME is {what} of the model", written.join(", "));
+        scope.error(&code::EFFECT_INPUT, &usage.name_place, message, &expected);
     }
     (scope.diagnostics.errors() == before).then_some(bound)
 }

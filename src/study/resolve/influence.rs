@@ -2,7 +2,21 @@
 
 use crate::expression::{ExprId, Graph, Symbol};
 use crate::measurement::Sensor;
+use crate::study::resolved::Pass;
 use crate::thermal::{Model, NodeKind};
+
+/// Names of the inputs on which no reading of a pass depends by its model; none where there are no readings, or the model is another
+/// program's.
+pub fn unused(pass: &Pass) -> Vec<&str> {
+    let model = &pass.model;
+    let sensors: Vec<&Sensor> = pass.measurements.iter().flat_map(|measurement| &measurement.sensors).collect();
+    if sensors.is_empty() || model.external.is_some() {
+        return Vec::new();
+    }
+    let moves = inputs(model, &sensors);
+    let is_unused = |input: &usize| !moves[*input] && !model.switches.contains(input);
+    (0..model.inputs.len()).filter(is_unused).map(|input| model.inputs[input].name.as_str()).collect()
+}
 
 /// Of each input of the model whether it can move a reading of these sensors: it stands in their quantities, or in the
 /// balance of a node that these depend on through others. Temperatures of boundaries are given and pass nothing on.

@@ -11,7 +11,7 @@ pub mod design_variable;
 mod drift;
 mod figure;
 pub mod gaps;
-mod influence;
+pub mod influence;
 mod initial;
 pub mod measurement;
 mod noise;

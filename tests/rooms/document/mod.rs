@@ -7,6 +7,7 @@ mod hash;
 mod json;
 mod number;
 mod other_tools;
+mod packed;
 mod source;
 mod suggest;
 mod time;

@@ -1,5 +1,6 @@
 //! Tests of `src/runner/key.rs`.
 
+use bmv::document::hash::sha256;
 use bmv::runner::key::*;
 use serde_json::{Value, json};
 
@@ -68,11 +69,11 @@ fn the_order_of_the_identity_s_fields_does_not_matter() {
 fn blocks_differ_by_job_stage_index_and_input() {
     let job = Key::of(b"job");
     let keys = [
-        block_key(&job, "sum", 0, &[b"", b"input"]),
-        block_key(&Key::of(b"other"), "sum", 0, &[b"", b"input"]),
-        block_key(&job, "mean", 0, &[b"", b"input"]),
-        block_key(&job, "sum", 1, &[b"", b"input"]),
-        block_key(&job, "sum", 0, &[b"", b"inputs"]),
+        block_key(&job, "sum", 0, [b"".as_slice(), b"input"].map(sha256)),
+        block_key(&Key::of(b"other"), "sum", 0, [b"".as_slice(), b"input"].map(sha256)),
+        block_key(&job, "mean", 0, [b"".as_slice(), b"input"].map(sha256)),
+        block_key(&job, "sum", 1, [b"".as_slice(), b"input"].map(sha256)),
+        block_key(&job, "sum", 0, [b"".as_slice(), b"inputs"].map(sha256)),
     ];
     for (i, a) in keys.iter().enumerate() {
         assert!(keys[i + 1..].iter().all(|b| a != b), "key {i} is unique");

@@ -3,6 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use crate::diagnosis::FitError;
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::{Problem, Refit};
@@ -50,8 +52,10 @@ pub fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Ex
     if all.len() > most && are_inputs_exact {
         all = likeliest_by_predictions(problem, baseline, &all, MORE_THAN_WANTED * count)?;
     }
-    for position in all {
-        match left(problem, baseline, &[position]) {
+    let tried: Vec<(usize, Result<[f64; 2], FitError>)> =
+        all.into_par_iter().map(|position| (position, left(problem, baseline, &[position]))).collect();
+    for (position, with) in tried {
+        match with {
             Ok(with) if with[0] < without[0] || with[1] < without[1] => {
                 improving.push((with[0].min(with[1]), position))
             }

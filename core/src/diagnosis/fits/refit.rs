@@ -13,6 +13,7 @@ use crate::diagnosis::linearisation::threshold_levels::is_crossed;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
+use crate::document::packed;
 use crate::effect::{EffectParameter, Site};
 use crate::expression::Unit;
 use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
@@ -81,8 +82,10 @@ pub struct Refit {
     /// Parameters of each effect.
     pub amplitudes: Vec<Vec<Amplitude>>,
     /// Whitened residuals of the readings that were fitted.
+    #[serde(with = "packed")]
     pub residuals: Vec<f64>,
     /// Readings that were fitted minus predictions, SI, in the order of [`Problem::fitted_readings`].
+    #[serde(with = "packed")]
     pub errors: Vec<f64>,
     /// Root mean square error of the fitted readings in K; `None` where no sensor is in kelvin.
     pub rmse_train_k: Option<f64>,

@@ -165,7 +165,8 @@ fn solve(state: &State, chosen: &Needed) -> Option<(Vec<f64>, Vec<f64>, Vec<f64>
         .collect();
     let first = free.len();
     let k = columns.len();
-    let mut factor = square(k, |a, b| dot(columns[a], columns[b]));
+    let products = products_of_all(&columns);
+    let mut factor = square(k, |a, b| products[a.max(b)][a.min(b)]);
     for (position, &i) in free.iter().enumerate() {
         // What the data do not see stays where it is.
         let width = linear.upper[i] - linear.lower[i];

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use crate::diagnosis::FitError;
 use crate::diagnosis::fits::refit::TOLERANCE_ON_FEWER_ROWS;
 use crate::diagnosis::linearisation::signature::linearise;
@@ -294,20 +296,23 @@ impl Sources {
 
     /// Linearises at unknowns (SI) and amplitudes of the sources. `None` where a phase cannot be solved so.
     pub fn at(&self, unknowns: &[f64], amplitudes: &[f64]) -> Option<State> {
-        let mut linear = linearise(&self.likelihood, unknowns).ok()?;
+        let (linear, of_fields) = rayon::join(
+            || linearise(&self.likelihood, unknowns).ok(),
+            || self.each_field(|field| linearise(&field.likelihood, &field.at(unknowns, amplitudes)).ok()),
+        );
+        let (mut linear, of_fields) = (linear?, of_fields?);
         let n = linear.parameters();
         let mut columns = vec![vec![0.0; linear.rows]; self.list.len()];
-        for field in &self.fields {
-            let at = field.at(unknowns, amplitudes);
-            let field_linear = linearise(&field.likelihood, &at).ok()?;
+        for (field, field_linear) in self.fields.iter().zip(of_fields) {
+            let width = field.unknowns.len();
             if field_linear.readings != field.rows.len() {
                 return None;
             }
             for (row, &position) in field.rows.iter().enumerate() {
                 linear.residuals[position] = field_linear.residuals[row];
                 linear.jacobian[position * n..(position + 1) * n].fill(0.0);
-                for place in 0..at.len() {
-                    let slope = field_linear.jacobian[row * at.len() + place];
+                for place in 0..width {
+                    let slope = field_linear.jacobian[row * width + place];
                     if let Some(unknown) = field.unknowns[place] {
                         linear.jacobian[position * n + unknown] = slope;
                     }
@@ -333,11 +338,19 @@ impl Sources {
         half_square.is_finite().then_some(State { unknowns, amplitudes, linear, columns, half_square })
     }
 
+    /// Something of every field; `None` where one has none.
+    fn each_field<T: Send>(&self, of: impl Fn(&Field) -> Option<T> + Send + Sync) -> Option<Vec<T>> {
+        self.fields.par_iter().map(of).collect()
+    }
+
     /// [`State::half_square`] alone.
     pub fn half_square(&self, unknowns: &[f64], amplitudes: &[f64]) -> Option<f64> {
-        let mut residuals = residuals(&self.likelihood, unknowns)?;
-        for field in &self.fields {
-            let of_field = self::residuals(&field.likelihood, &field.at(unknowns, amplitudes))?;
+        let (residuals, of_fields) = rayon::join(
+            || self::residuals(&self.likelihood, unknowns),
+            || self.each_field(|field| self::residuals(&field.likelihood, &field.at(unknowns, amplitudes))),
+        );
+        let mut residuals = residuals?;
+        for (field, of_field) in self.fields.iter().zip(of_fields?) {
             for (&position, residual) in field.rows.iter().zip(of_field) {
                 residuals[position] = residual;
             }
@@ -370,6 +383,18 @@ impl Sources {
         let moved: Vec<f64> = objective.coordinates(unknowns).iter().zip(step).map(|(x, d)| x + d).collect();
         Some(objective.parameters(&moved))
     }
+}
+
+/// How many sources of heat a problem has: one for each node with a balance and each phase or stretch; 0 where they are too many to be
+/// sought.
+pub(in crate::diagnosis) fn count(problem: &Problem) -> usize {
+    let nodes = problem.model.nodes.iter().filter(|node| !matches!(node.kind, NodeKind::Boundary { .. })).count();
+    let times = |measurement: &Measurement| match &measurement.rows {
+        Rows::Steady(phases) => phases.len(),
+        Rows::Transient { .. } => STRETCHES,
+    };
+    let count = nodes * problem.measurements.iter().map(times).sum::<usize>();
+    if count > MOST_SOURCES { 0 } else { count }
 }
 
 /// Whitened residuals at unknowns (SI), with the rows of the priors.

@@ -9,7 +9,7 @@
 //! (Schwarz' price of `ln n` charges three times as much for what some hundred readings tell of a slow part). What the fit has taken of
 //! the slow part is made good by the restricted likelihood ([`crate::diagnosis::noise::restricted_likelihood`]).
 
-use crate::measurement::total_sd;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::noise::like_sensors::{Errors, sizes};
@@ -18,7 +18,7 @@ use crate::inference::likelihood::noise::{Filter, Noise, Series};
 use crate::math::functions::{exp, ln};
 use crate::math::sum::log_sum_exp;
 use crate::measurement::unknown::Value;
-use crate::measurement::{Measurement, Rows, Uncertain};
+use crate::measurement::{Measurement, Rows, Uncertain, total_sd};
 use crate::watch;
 
 /// Readings of one sensor in the order of time, with their places among the rows of a linearised problem.
@@ -281,7 +281,7 @@ pub fn most_likely(
             Sought { series, errors, freedom, known: stated }
         })
         .collect();
-    let alone: Vec<Weighed> = sought.iter().map(Sought::alone).collect();
+    let alone: Vec<Weighed> = sought.par_iter().map(Sought::alone).collect();
     let mut noises: Vec<EstimatedNoise> = alone.iter().map(|(_, noise)| *noise).collect();
     for (position, measurement) in measurements.iter().enumerate() {
         let is_open = |one: &Sought<'_>| {
@@ -341,7 +341,7 @@ fn together(
     sought: &[Sought<'_>],
     alone: &[Weighed],
     members: &[usize],
-    correction: impl Fn(&[Weighed]) -> f64,
+    correction: impl Fn(&[Weighed]) -> f64 + Sync,
 ) -> Vec<(usize, EstimatedNoise)> {
     // Times that are allowed for all: those of a sensor whose size is not stated, if there is one.
     let tried = members.iter().copied().filter(|&place| sought[place].known.shares.len() > 1);
@@ -355,17 +355,18 @@ fn together(
             at_common.map(|(common, departs)| if common.0 >= departs.0 { common } else { departs }).collect();
         (all.iter().map(|(value, _)| value).sum(), all)
     };
-    let mut tried: Vec<(f64, f64, Vec<Weighed>)> = Vec::new();
-    for (share, time) in grid(longest) {
+    let of_grid: Vec<(f64, f64)> = grid(longest).collect();
+    let one = |&(share, time): &(f64, f64)| {
         watch::check();
         let (value, all) = at(share, time);
-        tried.push((value, share * time, all));
-    }
+        (value, share * time, all)
+    };
+    let mut tried: Vec<(f64, f64, Vec<Weighed>)> = of_grid.par_iter().map(one).collect();
     let best = tried.iter().map(|(value, ..)| *value).fold(f64::NEG_INFINITY, f64::max);
-    for (value, _, all) in &mut tried {
+    tried.par_iter_mut().for_each(|(value, _, all)| {
         // What is far from the best stays so: the correction changes little from one noise to the next.
         *value += if best - *value < NEAR { correction(all) } else { f64::NEG_INFINITY };
-    }
+    });
     let (white, all) = at(0.0, longest.times_s[0]);
     let white = (white + correction(&all), all);
     let logs: Vec<f64> = tried.iter().map(|(value, ..)| *value).collect();

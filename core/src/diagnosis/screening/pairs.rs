@@ -126,7 +126,7 @@ pub fn best_pairs(prepared: &Prepared, directions: &[Direction], scores: &[Score
     }
     let screened = screen(&units, prepared.rows, &z, &sides, 2 * count + 8);
     let mut pairs: Vec<Pair> = screened
-        .iter()
+        .par_iter()
         .map(|pair| {
             let (first, second) = (positions[pair.first], positions[pair.second]);
             let column = |position: usize| {

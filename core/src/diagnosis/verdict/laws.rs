@@ -7,6 +7,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use crate::diagnosis::engine::Diagnosis;
 use crate::diagnosis::fits::effect_heat_flow::effect_heat_flow;
 use crate::diagnosis::fits::refit::Begin;
@@ -103,7 +105,7 @@ impl Diagnosis {
             let is_usable = refit.log_evidence.is_finite() && !refit.does_nothing(position);
             is_usable.then_some(Fitted { law, problem: with_law, candidate: position, refit })
         };
-        laws(effect, of_angle, &candidate.id).into_iter().filter_map(fit).collect()
+        laws(effect, of_angle, &candidate.id).into_par_iter().filter_map(fit).collect()
     }
 }
 

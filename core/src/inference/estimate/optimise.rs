@@ -405,10 +405,14 @@ impl SecondOrder {
         bounds: &Bounds,
     ) -> Option<(Vec<f64>, f64)> {
         let n = x.len();
-        let scaled = |i: usize, j: usize| {
-            let square: f64 = at.jacobian.chunks_exact(n).map(|row| row[i] * row[j]).sum();
-            (square + self.matrix[(i, j)]) / (scale[i] * scale[j])
-        };
+        // All products in one pass: a long Jacobian does not stay in the processor's cache.
+        let mut products = vec![0.0; n * n];
+        for row in at.jacobian.chunks_exact(n) {
+            for (products, value) in products.chunks_exact_mut(n).zip(row) {
+                products.iter_mut().zip(row).for_each(|(product, other)| *product += value * other);
+            }
+        }
+        let scaled = |i: usize, j: usize| (products[i * n + j] + self.matrix[(i, j)]) / (scale[i] * scale[j]);
         let k = free.len();
         let mut curvature = square(k, |a, b| scaled(free[a], free[b]) + if a == b { damping } else { 0.0 });
         let mut step: Vec<f64> = free.iter().map(|&i| -at.gradient[i] / scale[i]).collect();
