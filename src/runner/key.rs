@@ -18,7 +18,7 @@ use crate::document::{canonical, hash};
 pub const ENGINE_VERSION: u32 = 5;
 
 /// Version of the form in which blocks are stored; those of another form are not looked for.
-const BLOCK_VERSION: u32 = 2;
+const BLOCK_VERSION: u32 = 3;
 
 /// A SHA-256 in 64 lower-case hexadecimal digits: the name of an object in the cache.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -155,6 +155,21 @@ fn an_input_that_is_not_bound() {
 }
 
 #[test]
+fn all_inputs_that_are_not_bound() {
+    insta::assert_snapshot!(said(r##""adopt": {"harness": {"effect": {"product-load": {"where": "box"}},
+   "because": "seen"}},
+ "##), @r##"
+    error[effect-input]: the inputs `first` and `second` of `product-load` are not bound
+     --> study/pass-1.json:8:35
+      |
+    8 |  "adopt": {"harness": {"effect": {"product-load": {"where": "box"}},
+      |                                   ^^^^^^^^^^^^^^ "inputs": {"first": NAME, "second": NAME}, inputs of the model
+      |
+      = note: at $.adopt.harness.effect["product-load"]
+    "##);
+}
+
+#[test]
 fn an_input_of_another_unit() {
     insta::assert_snapshot!(said(r##""adopt": {"harness": {"effect": {"joule-heating": {"where": "box", "inputs": {"current": "T_s"}}},
    "because": "seen"}},

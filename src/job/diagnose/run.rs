@@ -201,7 +201,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        50
+        49
     }
 
     fn identity(&self) -> Value {

@@ -262,14 +262,17 @@ pub fn bound(
     }
     if !not_bound.is_empty() {
         let names = suggest::listed(not_bound.iter().map(|entry| entry.name.as_str()), NAMED);
-        let (inputs, are) = if not_bound.len() == 1 { ("input", "is") } else { ("inputs", "are") };
+        let is_one = not_bound.len() == 1;
+        let (inputs, are) = if is_one { ("input", "is") } else { ("inputs", "are") };
         let message = format!("the {inputs} {names} of `{}` {are} not bound", effect.name);
         let written: Vec<String> = not_bound.iter().map(|entry| format!("\"{}\": NAME", entry.name)).collect();
-        let what = match not_bound.iter().any(|entry| entry.value.temperature) {
-            true => "an input, or a node for its temperature,",
-            false => "an input",
+        let what = match (is_one, not_bound.iter().any(|entry| entry.value.temperature)) {
+            (true, false) => "an input",
+            (true, true) => "an input or a node",
+            (false, false) => "inputs",
+            (false, true) => "inputs or nodes",
         };
-        let expected = format!("\"inputs\": {{{}}}; each NAME is {what} of the model", written.join(", "));
+        let expected = format!("\"inputs\": {{{}}}, {what} of the model", written.join(", "));
         scope.error(&code::EFFECT_INPUT, &usage.name_place, message, &expected);
     }
     (scope.diagnostics.errors() == before).then_some(bound)
