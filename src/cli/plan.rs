@@ -87,12 +87,8 @@ impl PlanVerb {
         for pass in &loaded.passes {
             let unused = influence::unused(&pass.pass);
             if !unused.is_empty() {
-                tell(&format!(
-                    "{}: by its model no reading depends on {}; a diagnosis asks whether something missing follows {}",
-                    pass.shown,
-                    listed(unused.iter().copied(), NAMED),
-                    if unused.len() == 1 { "it" } else { "them" }
-                ));
+                let names = listed(unused, NAMED);
+                tell(&format!("{}: no sensor reading depends on {names} in this model", pass.shown));
             }
         }
         memory::check(&lines)?;

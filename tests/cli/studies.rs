@@ -102,7 +102,7 @@ fn a_comparison_says_of_which_sensors_little_was_asked() {
     let unstated = said("}");
     assert!(
         unstated.contains(
-            "No deviation exceeds a limit that is stated; the largest RMSE is 3.0 K (plate). Of `plate` that means no reading \
+            "No deviation exceeds a limit that is stated; the largest RMSE is 3.0 K (`plate`). Of `plate` that means no reading \
              more than 3 K from its prediction: their noise"
         ) && !unstated.contains(nowhere),
         "{unstated}"
@@ -129,8 +129,8 @@ fn sensors_that_fail_alike_are_one_sentence_after_the_worst() {
     fs::write(root.path().join("plate/data/balance.csv"), rows).unwrap();
     let said =
         printed(root.path(), &["compare", "plate/pass-1.json"]).split_whitespace().collect::<Vec<&str>>().join(" ");
-    let alike = "`c`, `a` and `b` fail like plate: the model is too cold; measured minus predicted is +2.00 K to +2.80 K on \
-                 average, RMSE 2.00 K to 2.80 K.";
+    let alike = "`c`, `a` and `b` fail like `plate`: the model is too cold; measured minus predicted is +2.00 to +2.80 K on \
+                 average, RMSE 2.00 to 2.80 K.";
     assert!(
         said.contains(&format!("in phase P2. - {alike} - e: the model is too hot;")) && said.contains("- d: the model"),
         "{said}"

@@ -21,9 +21,9 @@ const COPIES: usize = 3;
 const FITS: usize = 120;
 /// Numbers that a fit keeps of a reading: its residual and its error.
 const OF_A_FIT: usize = 2;
-/// Times that fits stand in memory: as they are known, as they are stored, and as they are gone on with.
+/// Times that fits stand in memory: as they are known, as they are stored, and in the next stage.
 const COPIES_OF_FITS: usize = 3;
-/// Times that columns of heat stand in memory: as derivatives, and one by one.
+/// Times that columns of heat stand in memory: in the Jacobian, and as columns of their own.
 const COPIES_OF_HEAT: usize = 2;
 /// Bytes of a candidate with its names, and of what its directions and expressions take beside their columns.
 const CANDIDATE_BYTES: usize = 20 << 10;

@@ -10,10 +10,12 @@ use crate::measurement::{Measurement, Rows};
 
 /// Most trends named for a sensor.
 const TRENDS_NAMED: usize = 2;
-/// Sensors that fail like a worse one from which on one sentence is about all of them.
+/// Fewest sensors besides the worst one that share a sentence.
 const FEWEST_ALIKE: usize = 3;
-/// Least RMSE of a sensor that fails like a worse one, as a share of that one's.
+/// Least RMSE of a sensor that fails like another, as a share of that one's; the other one's share of it is at least that too.
 const LEAST_ALIKE: f64 = 0.5;
+/// How a sensor fails whose errors have no direction.
+const BOTH_DIRECTIONS: &str = "the model is wrong in both directions";
 /// Sensors that such a sentence names.
 const NAMED: usize = 6;
 
@@ -49,11 +51,11 @@ pub fn fails(
         sensors.iter().map(|sensor| (sensor, excess(sensor))).filter(|(_, excess)| *excess > 1.0).collect();
     failing.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut rest: Vec<Failing<'_>> =
-        failing.into_iter().map(|(sensor, _)| Failing::new(sensor, sensors, rows)).collect();
+        failing.into_iter().map(|(sensor, _)| Failing::new(sensor, sensors, trends, rows)).collect();
     let mut sentences = Vec::new();
     while !rest.is_empty() {
         let first = rest.remove(0);
-        sentences.push(first.sentence(measurements, trends));
+        sentences.push(first.sentence(measurements));
         if rest.iter().filter(|own| own.is_like(&first)).count() >= FEWEST_ALIKE {
             let alike: Vec<Failing<'_>> = rest.extract_if(.., |own| own.is_like(&first)).collect();
             sentences.push(together(&first, &alike));
@@ -78,19 +80,21 @@ struct Failing<'a> {
     overall: Deviation,
     /// Which way the model is wrong.
     direction: &'static str,
+    /// The trends of its error that are significant, strongest first.
+    trends: Vec<&'a Trend>,
     /// ` in MEASUREMENT` where several measurements have the sensor: a transient in parts has each sensor once a part.
     of: String,
 }
 
 impl<'a> Failing<'a> {
-    fn new(sensor: &'a SensorSummary, sensors: &[SensorSummary], rows: &'a Readings) -> Self {
+    fn new(sensor: &'a SensorSummary, sensors: &[SensorSummary], trends: &'a [Trend], rows: &'a Readings) -> Self {
         let rows: Vec<Row<&str>> = rows.of(&sensor.measurement, &sensor.sensor).collect();
         let all: Vec<f64> = rows.iter().map(Row::deviation).collect();
         let overall = deviation(&all, None);
         let is_of_mean = |d: &&f64| (**d > 0.0) == (overall.mean > 0.0);
         let one_sided = all.iter().filter(is_of_mean).count() as f64 / all.len().max(1) as f64;
         let direction = match (overall.mean > 0.0, sensor.unit == KELVIN) {
-            _ if one_sided < 0.75 => "the model is wrong in both directions",
+            _ if one_sided < 0.75 => BOTH_DIRECTIONS,
             (true, true) => "the model is too cold",
             (false, true) => "the model is too hot",
             (true, false) => "the model is too low",
@@ -99,19 +103,32 @@ impl<'a> Failing<'a> {
         let is_in_several =
             sensors.iter().any(|own| own.sensor == sensor.sensor && own.measurement != sensor.measurement);
         let of = if is_in_several { format!(" in {}", sensor.measurement) } else { String::new() };
-        Self { sensor, rows, overall, direction, of }
+        let is_own = |t: &&Trend| {
+            t.measurement == sensor.measurement && t.sensor == sensor.sensor && t.slope.abs() > 3.0 * t.slope_error
+        };
+        let trends = trends.iter().filter(is_own).take(TRENDS_NAMED).collect();
+        Self { sensor, rows, overall, direction, trends, of }
     }
 
-    /// Whether it fails in the same direction as a worse one of its measurement, and hardly less.
+    /// What its error goes with most.
+    fn goes_with(&self) -> Option<&str> {
+        self.trends.first().map(|trend| trend.against.as_str())
+    }
+
+    /// Whether it fails like a worse one of its measurement: in the same direction, by about as much, with the same input.
     fn is_like(&self, worse: &Self) -> bool {
+        let [own, other] = [self.overall.rmse, worse.overall.rmse];
         self.sensor.measurement == worse.sensor.measurement
             && self.sensor.unit == worse.sensor.unit
             && self.direction == worse.direction
-            && self.overall.rmse >= LEAST_ALIKE * worse.overall.rmse
+            && self.direction != BOTH_DIRECTIONS
+            && self.goes_with() == worse.goes_with()
+            && own >= LEAST_ALIKE * other
+            && other >= LEAST_ALIKE * own
     }
 
-    fn sentence(&self, measurements: &[Measurement], trends: &[Trend]) -> String {
-        let Self { sensor, rows, overall, direction, of } = self;
+    fn sentence(&self, measurements: &[Measurement]) -> String {
+        let Self { sensor, rows, overall, direction, trends, of } = self;
         let mut text = format!(
             "{}{of}: {direction}; measured minus predicted is {} on average, RMSE {}",
             sensor.sensor,
@@ -145,10 +162,6 @@ impl<'a> Failing<'a> {
         }
         let named: Vec<String> = trends
             .iter()
-            .filter(|t| {
-                t.measurement == sensor.measurement && t.sensor == sensor.sensor && t.slope.abs() > 3.0 * t.slope_error
-            })
-            .take(TRENDS_NAMED)
             .map(|t| format!("{} ({} over its range)", t.against, signed(t.change, &sensor.unit)))
             .collect();
         if !named.is_empty() {
@@ -162,21 +175,21 @@ impl<'a> Failing<'a> {
 /// A sentence on sensors that fail like a worse one.
 fn together(first: &Failing<'_>, alike: &[Failing<'_>]) -> String {
     let unit = &first.sensor.unit;
-    let range = |of: fn(&Deviation) -> f64| {
+    let range = |of: fn(&Deviation) -> f64, shown: fn(&str) -> &str| {
         let values = || alike.iter().map(|own| of(&own.overall));
-        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+        let ends = [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)];
+        let [least, most] = ends.map(|value| shown(&signed(value, unit)).to_owned());
+        let number = least.strip_suffix(&format!(" {unit}")).unwrap_or(&least);
+        if least == most { most } else { format!("{number} to {most}") }
     };
-    let ([least, most], [smallest, largest]) = (range(|own| own.mean), range(|own| own.rmse));
-    let unsigned = |value: f64| signed(value, unit).trim_start_matches('+').to_owned();
+    let goes_with = first.goes_with().map_or_else(String::new, |input| format!("; the errors go with {input}"));
     format!(
-        "{} fail like {}{}: {}; measured minus predicted is {} to {} on average, RMSE {} to {}.",
+        "{} fail like `{}`{}: {}; measured minus predicted is {} on average, RMSE {}{goes_with}.",
         listed(alike.iter().map(|own| own.sensor.sensor.as_str()), NAMED),
         first.sensor.sensor,
-        first.of,
+        alike.iter().map(|own| own.of.as_str()).find(|of| !of.is_empty()).unwrap_or(&first.of),
         first.direction,
-        signed(least, unit),
-        signed(most, unit),
-        unsigned(smallest),
-        unsigned(largest),
+        range(|own| own.mean, |text| text),
+        range(|own| own.rmse, |text| text.trim_start_matches('+')),
     )
 }

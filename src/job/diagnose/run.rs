@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use crate::diagnosis::output::PriorOfDraws;
 use crate::diagnosis::{Diagnosis, FitRequest, Output, Problem, Refit, Settings, State, Unfitted};
+use crate::job::stored::unreadable;
 use crate::job::{Done, Job, JobError, Parts, Step};
 use crate::random::StreamKey;
 use crate::study::posterior_prior::PosteriorPrior;
@@ -275,7 +276,7 @@ impl Job for Diagnose {
                     };
                     return match before {
                         Some(state) => Ok(self.next(state)),
-                        None => Err(JobError::Failed("sets were sought beside others than were fitted".to_owned())),
+                        None => Err(unreadable(EXTEND, "it names a fit that is not there")),
                     };
                 }
                 Partial::Output(output) => return Ok(Step::Done(Box::new(self.finish(*output)))),

@@ -25,8 +25,10 @@ pub(super) use figures::{Shows, phase_map, time_history};
 /// Readings up to which the table of all of them is part of the report.
 const MOST_ROWS: usize = 300;
 
-/// Share of the largest heat of a balance below which heat is rounding of the solver.
-const LEAST_HEAT: f64 = 1e-5;
+/// Heat below this, W, is 0.
+const LEAST_HEAT_W: f64 = 5e-7;
+/// Share of a phase's largest heat below which what is stored or not balanced is rounding of the solver.
+const LEAST_SHARE: f64 = 1e-5;
 
 /// Names that a sentence lists.
 const NAMED: usize = 6;
@@ -123,6 +125,20 @@ fn where_it_fails(output: &Output) -> Vec<Block> {
     blocks
 }
 
+/// The largest RMSE, where the noise of no sensor is stated: what is not judged does not fail, however large it is. `None` where it is
+/// judged, or a criterion is not kept.
+fn largest_error(output: &Output) -> Option<String> {
+    let is_judged = output.sensors.iter().any(|sensor| sensor.noise_rmse.is_some());
+    if is_judged || output.verdicts.iter().any(|verdict| !verdict.kept) {
+        return None;
+    }
+    let size = |sensor: &SensorSummary| (sensor.unit == KELVIN, worst_rmse(sensor));
+    let order = |a: (bool, f64), b: (bool, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+    let worst = output.sensors.iter().max_by(|a, b| order(size(a), size(b)))?;
+    let rmse = with_unit(&significant(worst_rmse(worst), 2), &worst.unit);
+    Some(format!("the largest RMSE is {rmse} (`{}`)", worst.sensor))
+}
+
 /// Says that the model fails nowhere, and of which sensors that says little, as their noise is not stated.
 fn nowhere(output: &Output) -> String {
     let is_unjudged = |sensor: &&SensorSummary| sensor.noise_rmse.is_none();
@@ -136,16 +152,10 @@ fn nowhere(output: &Output) -> String {
         let names: BTreeSet<&str> = sensors.iter().map(|sensor| sensor.sensor.as_str()).collect();
         listed(names, NAMED)
     };
-    let mut sentences =
-        vec![match worst_sensor(output).filter(|_| output.sensors.iter().all(|own| is_unjudged(&own))) {
-            // What is not judged does not fail, however large it is.
-            Some(worst) => format!(
-                "No deviation exceeds a limit that is stated; the largest RMSE is {} ({}).",
-                with_unit(&significant(worst_rmse(worst), 2), &worst.unit),
-                worst.sensor
-            ),
-            None => "The comparison finds no place where the model fails.".to_owned(),
-        }];
+    let mut sentences = vec![match largest_error(output) {
+        Some(error) => format!("No deviation exceeds a limit that is stated; {error}."),
+        None => "The comparison finds no place where the model fails.".to_owned(),
+    }];
     if let Some((limit, sensors)) = within {
         sentences.push(format!(
             "Of {} that means no reading more than {} K from its prediction: their noise is not stated, so that smaller errors are \
@@ -394,9 +404,9 @@ fn heat(output: &Output) -> Option<Block> {
     let mut columns = vec![Column::text("Phase"), Column::number("Sources", "W")];
     columns.extend(boundaries.iter().map(|b| Column::number(format!("into {b}"), "W")));
     columns.extend([Column::number("Stored", "W"), Column::number("Imbalance", "W")]);
-    let of_phase = |h: &HeatBalance| h.into_boundaries_w.iter().map(|(_, w)| w.abs()).fold(h.sources_w.abs(), f64::max);
-    let least = LEAST_HEAT * output.heat.iter().map(of_phase).fold(0.0, f64::max);
-    let watts = |w: f64| Cell::from(if w.abs() < least { "0".to_owned() } else { significant(w, 3) });
+    let from = |w: f64, least: f64| Cell::from(if w.abs() < least { "0".to_owned() } else { significant(w, 3) });
+    let watts = |w: f64| from(w, LEAST_HEAT_W);
+    let largest = |h: &HeatBalance| h.into_boundaries_w.iter().map(|(_, w)| w.abs()).fold(h.sources_w.abs(), f64::max);
     let rows = output
         .heat
         .iter()
@@ -408,7 +418,8 @@ fn heat(output: &Output) -> Option<Block> {
                     .find(|(name, _)| name == b)
                     .map_or_else(|| Cell::from(NONE), |(_, w)| watts(*w))
             }));
-            row.extend([watts(h.stored_w), watts(h.imbalance_w)]);
+            let least = LEAST_HEAT_W.max(LEAST_SHARE * largest(h));
+            row.extend([from(h.stored_w, least), from(h.imbalance_w, least)]);
             row
         })
         .collect();

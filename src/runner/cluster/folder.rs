@@ -363,6 +363,8 @@ pub(super) struct WrittenStage {
     pub name: String,
     /// Its state.
     pub state: Vec<u8>,
+    /// SHA-256 of that, which is part of every block's name.
+    state_sha256: [u8; 32],
     /// What each block is to do.
     pub inputs: Vec<Vec<u8>>,
 }
@@ -370,7 +372,7 @@ pub(super) struct WrittenStage {
 impl WrittenStage {
     /// The name of a block's output in the cache.
     pub fn block(&self, owner: &Key, index: usize) -> Option<Key> {
-        Some(block_key(owner, &self.name, index, [sha256(&self.state), sha256(self.inputs.get(index)?)]))
+        Some(block_key(owner, &self.name, index, [self.state_sha256, sha256(self.inputs.get(index)?)]))
     }
 }
 
@@ -473,7 +475,9 @@ impl Submission {
         let state = take(head.state);
         let inputs: Option<Vec<Vec<u8>>> = head.inputs.into_iter().map(take).collect();
         match (state, inputs) {
-            (Some(state), Some(inputs)) => Ok(WrittenStage { name: head.name, state, inputs }),
+            (Some(state), Some(inputs)) => {
+                Ok(WrittenStage { name: head.name, state_sha256: sha256(&state), state, inputs })
+            }
             _ => Err(damaged("it is cut off".to_owned())),
         }
     }

@@ -118,7 +118,7 @@ impl Shard<'_> {
         for part in parts {
             let working = self.working(submission, &part.record, &cache)?;
             is_external |= working.job.is_external();
-            let WrittenStage { name, state, inputs } = part.written;
+            let WrittenStage { name, state, inputs, .. } = part.written;
             let stage = working.job.stage(&name, state, inputs);
             let stage = stage.map_err(|error| Refusal(End::Rejected, error.to_string()))?;
             left |= self.run_blocks(&working, &stage, &part.missing, &cache, record)?;

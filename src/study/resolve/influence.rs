@@ -3,18 +3,19 @@
 use crate::expression::{ExprId, Graph, Symbol};
 use crate::measurement::Sensor;
 use crate::study::resolved::Pass;
-use crate::thermal::{Model, NodeKind};
+use crate::thermal::{Clock, Model, NodeKind};
 
-/// Names of the inputs on which no reading of a pass depends by its model; none where there are no readings, or the model is another
-/// program's.
+/// Names of the inputs on which no sensor reading of a pass depends in its model; none where not all readings are there, or the model
+/// is another program's.
 pub fn unused(pass: &Pass) -> Vec<&str> {
     let model = &pass.model;
     let sensors: Vec<&Sensor> = pass.measurements.iter().flat_map(|measurement| &measurement.sensors).collect();
-    if sensors.is_empty() || model.external.is_some() {
+    if sensors.is_empty() || !pass.missing.is_empty() || model.external.is_some() {
         return Vec::new();
     }
     let moves = inputs(model, &sensors);
-    let is_unused = |input: &usize| !moves[*input] && !model.switches.contains(input);
+    let is_clock = |input: usize| Clock::ALL.into_iter().any(|clock| model.clocks.get(clock) == Some(input));
+    let is_unused = |input: &usize| !moves[*input] && !model.switches.contains(input) && !is_clock(*input);
     (0..model.inputs.len()).filter(is_unused).map(|input| model.inputs[input].name.as_str()).collect()
 }
 

@@ -338,7 +338,7 @@ impl Sources {
         half_square.is_finite().then_some(State { unknowns, amplitudes, linear, columns, half_square })
     }
 
-    /// Something of every field; `None` where one has none.
+    /// Applies a function to all fields side by side; `None` if it fails for one.
     fn each_field<T: Send>(&self, of: impl Fn(&Field) -> Option<T> + Send + Sync) -> Option<Vec<T>> {
         self.fields.par_iter().map(of).collect()
     }
@@ -385,16 +385,19 @@ impl Sources {
     }
 }
 
-/// How many sources of heat a problem has: one for each node with a balance and each phase or stretch; 0 where they are too many to be
-/// sought.
+/// How many sources a problem has at most: heat of each node with a balance in each phase or stretch, and a bias of each sensor.
 pub(in crate::diagnosis) fn count(problem: &Problem) -> usize {
     let nodes = problem.model.nodes.iter().filter(|node| !matches!(node.kind, NodeKind::Boundary { .. })).count();
-    let times = |measurement: &Measurement| match &measurement.rows {
-        Rows::Steady(phases) => phases.len(),
-        Rows::Transient { .. } => STRETCHES,
+    let of_measurement = |measurement: &Measurement| {
+        let is_fitted = |row: &usize| !measurement.held_out(*row) && !measurement.ignored(*row);
+        let fitted = (0..measurement.len()).filter(is_fitted).count();
+        let times = match &measurement.rows {
+            Rows::Steady(_) => fitted,
+            Rows::Transient { .. } => STRETCHES.min(fitted),
+        };
+        nodes * times + measurement.sensors.len()
     };
-    let count = nodes * problem.measurements.iter().map(times).sum::<usize>();
-    if count > MOST_SOURCES { 0 } else { count }
+    problem.measurements.iter().map(of_measurement).sum::<usize>().min(MOST_SOURCES)
 }
 
 /// Whitened residuals at unknowns (SI), with the rows of the priors.

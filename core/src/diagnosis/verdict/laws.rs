@@ -20,6 +20,7 @@ use crate::diagnosis::{Problem, Refit};
 use crate::document::Diagnostics;
 use crate::effect::law::{LawFile, SCALE, laws};
 use crate::effect::{Bound, Candidate};
+use crate::watch;
 
 /// Values of a law's `scale` from which its fit begins.
 const SCALES: [f64; 3] = [0.15, 0.5, 2.0];
@@ -105,7 +106,9 @@ impl Diagnosis {
             let is_usable = refit.log_evidence.is_finite() && !refit.does_nothing(position);
             is_usable.then_some(Fitted { law, problem: with_law, candidate: position, refit })
         };
-        laws(effect, of_angle, &candidate.id).into_par_iter().filter_map(fit).collect()
+        // How far a law's fit has come says nothing of the block in which its thread waits.
+        let quietly = |law| watch::with_share(&watch::Share::default(), || fit(law));
+        laws(effect, of_angle, &candidate.id).into_par_iter().filter_map(quietly).collect()
     }
 }
 

@@ -49,7 +49,8 @@ impl Brief for Comparison {
             let more = counted(output.fails.len() - MOST_FINDINGS, "more finding");
             lines.push(format!("and {more}"));
         } else if output.fails.is_empty() {
-            lines.push(format!("{state}, the model fails at no place"));
+            let judged = "the model fails at no place".to_owned();
+            lines.push(format!("{state}, {}", super::largest_error(output).unwrap_or(judged)));
         }
         lines
     }
