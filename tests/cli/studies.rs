@@ -112,6 +112,21 @@ fn a_comparison_says_of_which_sensors_little_was_asked() {
 }
 
 #[test]
+fn plan_names_inputs_that_the_model_does_not_use() {
+    let root = plate();
+    let said = |model: &str| {
+        fs::write(root.path().join("plate/model.json"), model).unwrap();
+        let output = bmv(root.path(), &["plan", "plate"]);
+        assert_eq!(code(&output), 0);
+        text(&output.stderr)
+    };
+    assert!(!said(MODEL).contains("no sensor reading depends"), "all are used");
+    let with_fan = MODEL.replace(r#""inputs": {"#, r#""inputs": {"fan": {"unit": "1", "nominal": 0}, "#);
+    let unused = said(&with_fan);
+    assert!(unused.contains("plate/pass-1.json: no sensor reading depends on `fan` in this model\n"), "{unused}");
+}
+
+#[test]
 fn sensors_that_fail_alike_are_one_sentence_after_the_worst() {
     let root = plate();
     let names = ["plate", "a", "b", "c", "d", "e"];
