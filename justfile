@@ -16,9 +16,9 @@ ci:
 pages:
     python3 .ci/pages.py
 
-# all studies' reports, their results against the baselines with the same seed and with another, exports read with ArviZ, a network asked by the client of UM-Bridge, slow statistical checks, large cases, runs on a real Slurm
+# all studies' reports by a release build, all pages in a browser, results against the baselines with the same seed and with another, exports read with ArviZ, a network asked by the client of UM-Bridge, slow statistical checks, large cases, runs on a real Slurm
 nightly seed="$(date +%Y%m%d)":
-    cargo run --release -- report && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && python3 tests/clients/arviz_export.py target/release/bmv && python3 tests/clients/umbridge_model.py target/release/bmv && python3 tests/clients/umbridge_server.py target/release/bmv && tests/cluster/check.sh target/release/bmv && cargo test --release -- --include-ignored
+    cargo run --release -- report && python3 .ci/pages.py && cargo run --release -- check studies && cargo run --release -- check studies --other-seed={{seed}} && python3 tests/clients/arviz_export.py target/release/bmv && python3 tests/clients/umbridge_model.py target/release/bmv && python3 tests/clients/umbridge_server.py target/release/bmv && tests/cluster/check.sh target/release/bmv && cargo test --release -- --include-ignored
 
 # runs on a real three-node Slurm of this machine: lost node, parted network, killed driver, cancelled run, absent controller
 cluster:

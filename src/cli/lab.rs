@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use serde::Deserialize;
+
 use super::Context;
 use super::options::RunOptions;
 use super::output::{escaped, print, print_json, shown, table, tell};
@@ -116,7 +118,7 @@ impl LabVerb {
             print_json(&*finished.stored.value)?;
             return Ok(Status::Done);
         }
-        let output: Output = serde_json::from_value((*finished.stored.value).clone())
+        let output = Output::deserialize(&*finished.stored.value)
             .map_err(|error| Failure::job(format!("the laboratory's result: {error}")))?;
         print(&table_of(&output, context.fold))?;
         Ok(Status::Done)

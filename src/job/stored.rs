@@ -130,10 +130,11 @@ fn not_finite<T: Serialize + DeserializeOwned>(output: &T) -> Option<String> {
     for (place, _) in &not_finite_places {
         replace(&mut finite, place, Tree::Float(0.0));
     }
+    // Read from JSON, as results are: another form would have every result's reader compiled once more.
     let needed = |place: &[usize]| {
         let mut alone = finite.clone();
         replace(&mut alone, place, Tree::Null);
-        alone.deserialized::<T>().is_err()
+        serde_json::to_value(&alone).is_ok_and(|json| T::deserialize(&json).is_err())
     };
     let (place, value) = not_finite_places.iter().find(|(place, _)| needed(place))?;
     Some(format!("{}: {value}", described(&tree, place)))

@@ -12,6 +12,7 @@ pub use run::Train;
 
 use std::sync::Arc;
 
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::document::{Place, code};
@@ -136,8 +137,8 @@ pub(super) fn behind(shared: &Shared, readiness: Readiness) -> Readiness {
             return Ok(());
         }
         let wrong = |reason: String| JobError::Failed(format!("the result of the surrogate cannot be used: {reason}"));
-        let trained = result.get("trained").cloned().unwrap_or_default();
-        let trained: Trained = serde_json::from_value(trained).map_err(|error| wrong(error.to_string()))?;
+        let trained = result.get("trained").unwrap_or(&Value::Null);
+        let trained = Trained::deserialize(trained).map_err(|error| wrong(error.to_string()))?;
         let made = Surrogate::new(trained.space, &trained.runs, &trained.emulations);
         answers.take(made.map_err(|error| wrong(error.to_string()))?);
         Ok(())
