@@ -47,4 +47,5 @@ mod thermometers;
 mod threshold_diagnosis;
 mod transient;
 mod two_beginnings;
+mod warm_surroundings;
 mod windows;

@@ -26,6 +26,7 @@ mod rival;
 pub mod selection;
 pub mod small_effects;
 pub mod still;
+pub mod store_in_place;
 pub mod surroundings;
 mod tested;
 pub mod trend;

@@ -12,6 +12,7 @@ mod precedence;
 mod selection;
 mod small_effects;
 mod still;
+mod store_in_place;
 mod surroundings;
 mod trend;
 mod words;
