@@ -58,5 +58,4 @@ fn a_store_of_heat_is_named_beside_surroundings_that_nothing_logged_keeps_warm()
     let store = find("hidden-node:air").unwrap_or_else(|| panic!("{:?}", output.words));
     assert!(store.group == Some(1) && of.group == Some(1), "{:?}", output.words);
     assert!(store.probability > 0.2 && store.probability <= 0.5, "{}", store.probability);
-    println!("{:?}", output.words);
 }

@@ -17,7 +17,7 @@ pub(crate) const SINGLE_PLACE: f64 = 3.0;
 const ALIKE_SHARE: f64 = 0.1;
 /// Share of what an effect of a hundred times the plausible size explains, in squares of errors, that one of plausible size
 /// has to explain to go before it; and where it predicts unseen rows clearly better.
-const EXPLAINS_ALIKE: f64 = 0.95;
+pub(crate) const EXPLAINS_ALIKE: f64 = 0.95;
 const EXPLAINS_MOST: f64 = 0.8;
 /// Log odds by which the former then stands behind.
 const IMPLAUSIBLE: f64 = 1.0;
@@ -166,7 +166,7 @@ fn unseen(before: &Refit, after: &Refit) -> [Option<f64>; 2] {
 }
 
 /// The effect that a set adds to another; `None` where it does not hold the other and one effect more.
-fn added(state: &State, at: usize, place: usize) -> Option<usize> {
+pub(crate) fn added(state: &State, at: usize, place: usize) -> Option<usize> {
     let (own, effects) = (&state.refits[at].effects, &state.refits[place].effects);
     let is_next = effects.len() == own.len() + 1 && own.iter().all(|one| effects.contains(one));
     effects.iter().find(|effect| is_next && !own.contains(effect)).copied()

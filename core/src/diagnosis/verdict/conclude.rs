@@ -93,7 +93,7 @@ impl Diagnosis {
             model_errors: BTreeMap::new(),
             lumped_nodes: BTreeMap::new(),
             shared: BTreeMap::new(),
-            stores: Vec::new(),
+            storage_alternatives: Vec::new(),
         };
         let nothing = match findings.story.as_ref().and_then(|story| story.steps.first()) {
             Some(first) => first.stays,
@@ -131,7 +131,7 @@ impl Diagnosis {
             }
             let tested = best(&findings.weights);
             findings.select(self.settings().false_alarm);
-            findings.stores = findings.stores_in_place();
+            findings.storage_alternatives = findings.storage_alternatives();
             if tested != Some(findings.selected) {
                 held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
             }
@@ -147,7 +147,7 @@ impl Diagnosis {
             let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
             if explains {
                 findings.add_nearly_as_good();
-                findings.add_stores();
+                findings.add_storage_alternatives();
                 verdict = findings.judge();
             } else {
                 // The test was that of a set which is not adopted.
@@ -156,7 +156,7 @@ impl Diagnosis {
                 findings.too_far = is_too_far.then_some(findings.selected);
                 findings.selected = 0;
                 findings.groups.clear();
-                findings.stores.clear();
+                findings.storage_alternatives.clear();
                 findings.rivals.clear();
                 findings.model_errors.clear();
                 findings.lumped_nodes.clear();

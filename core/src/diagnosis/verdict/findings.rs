@@ -6,7 +6,7 @@ use crate::diagnosis::output::Verdict;
 use crate::diagnosis::problem::is_idle;
 use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
-use crate::diagnosis::verdict::store_in_place::StoreInPlace;
+use crate::diagnosis::verdict::storage_alternative::StorageAlternative;
 use crate::diagnosis::{Problem, Refit};
 use std::collections::BTreeMap;
 
@@ -41,8 +41,8 @@ pub(crate) struct Findings<'a> {
     pub lumped_nodes: BTreeMap<usize, f64>,
     /// Probabilities of effects beside which others explain nearly as much.
     pub shared: BTreeMap<usize, f64>,
-    /// Stores of heat in the place of surroundings.
-    pub stores: Vec<StoreInPlace>,
+    /// Storage effects as alternatives of surroundings.
+    pub storage_alternatives: Vec<StorageAlternative>,
 }
 
 impl Findings<'_> {
@@ -56,10 +56,11 @@ impl Findings<'_> {
         &self.problem.candidates[effect].id
     }
 
-    /// The sets before and after the step of a story at which an effect was added, stands in the place of others, or was most probable.
+    /// The sets without and with an effect: where it is an alternative of surroundings, or else at the step of a story at which it was
+    /// added or was most probable.
     pub(super) fn step_of(&self, effect: usize) -> Option<(usize, usize)> {
-        if let Some(store) = self.stores.iter().find(|store| store.effect == effect) {
-            return Some(store.sets);
+        if let Some(own) = self.storage_alternatives.iter().find(|own| own.effect == effect) {
+            return Some(own.sets);
         }
         let steps = &self.story.as_ref()?.steps;
         let of = |step: &Step| {

@@ -75,7 +75,7 @@ impl Findings<'_> {
 
     /// The selected set where it has an effect, else the most probable one with it, after the same set without it. `None` where no
     /// set was fitted without it.
-    pub(super) fn best_with(&self, effect: usize) -> Option<(usize, usize)> {
+    fn best_with(&self, effect: usize) -> Option<(usize, usize)> {
         let refits = &self.state.refits;
         let without = |&after: &usize| {
             let rest = || refits[after].effects.iter().filter(|&&other| other != effect);

@@ -321,7 +321,10 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 };
                 let is_own = |group: &&Vec<usize>| group.first().is_some_and(|&first| findings.id(first) == effect.id);
                 let members = findings.groups.iter().find(is_own).into_iter().flatten();
+                let is_storage_alternative =
+                    |member: usize| findings.storage_alternatives.iter().any(|own| own.effect == member);
                 let group: Vec<&EffectResult> = members
+                    .filter(|&&member| !is_storage_alternative(member))
                     .filter_map(|&member| output.effects.iter().find(|other| other.id == findings.id(member)))
                     .filter(|other| other.id == effect.id || !output.selected.contains(&other.id))
                     .collect();

@@ -12,7 +12,7 @@ mod precedence;
 mod selection;
 mod small_effects;
 mod still;
-mod store_in_place;
+mod storage_alternative;
 mod surroundings;
 mod trend;
 mod words;

@@ -1,9 +1,9 @@
-//! Tests of `core/src/diagnosis/verdict/store_in_place.rs`.
+//! Tests of `core/src/diagnosis/verdict/storage_alternative.rs`.
 
-use bmv::diagnosis::verdict::store_in_place::explains_as_much;
+use bmv::diagnosis::verdict::storage_alternative::explains_as_much;
 
 #[test]
-fn a_store_explains_as_much_within_a_twentieth() {
+fn a_storage_effect_explains_as_much_within_a_twentieth() {
     assert!(explains_as_much([100.0, 20.0, 20.0]));
     assert!(explains_as_much([100.0, 20.0, 5.0]), "more");
     assert!(explains_as_much([100.0, 20.0, 24.0]));
