@@ -130,7 +130,7 @@ fn not_finite<T: Serialize + DeserializeOwned>(output: &T) -> Option<String> {
     for (place, _) in &not_finite_places {
         replace(&mut finite, place, Tree::Float(0.0));
     }
-    // Read from JSON, as results are: from the tree every kind's result would have another reader to compile.
+    // Read from JSON, as results are: reading from the tree would compile a second reader of every kind's result.
     let needed = |place: &[usize]| {
         let mut alone = finite.clone();
         replace(&mut alone, place, Tree::Null);
