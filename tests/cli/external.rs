@@ -337,8 +337,8 @@ fn a_served_network_is_a_model_of_another_pass() {
     const CALIBRATION: &str =
         r#", "fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 2, "draws": 64}}"#;
     const CHOICES: &str = r#", "phases": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "learn": ["eps"], "nuisance": [],
-        "estimator": "nested", "outer": 256, "inner": 16}},
-      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 16}},
+        "estimator": "nested", "outer": 256, "inner": 4}},
+      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 4}},
       "goal": {"goal": {"samples": 1024}}"#;
     let network = study(NODES, &format!("{JOBS}{CALIBRATION}{CHOICES}"));
     let server = Server::start(network.path(), "0");
@@ -381,7 +381,7 @@ fn a_served_network_is_a_model_of_another_pass() {
 #[test]
 fn derivatives_that_a_server_offers_are_used_where_the_study_says_so() {
     const FIT: &str = r#""fit": {"calibrate": {"parameters": ["eps"], "sampler": "nuts", "chains": 2, "warmup": 100, "draws": 100}},
-      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 16}},
+      "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 4}},
       "effects": {"sensitivity": {"methods": ["local", "derivative"], "samples": 16}}"#;
     let network = study(NODES, FIT);
     let server = Server::start(network.path(), "0");

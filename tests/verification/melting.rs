@@ -1,4 +1,5 @@
-//! A node whose wax melts, and layers of wet ground that freeze, by the enthalpy method by hand: found among the whole catalogue.
+//! By the enthalpy method by hand: a node whose wax melts, found among the whole catalogue, and layers of wet ground that freeze, found
+//! among what stores heat or changes at a level.
 
 use bmv::diagnosis::{Output, Verdict};
 use bmv::random::StreamKey;
@@ -133,7 +134,9 @@ fn ground(groups: &str) -> [(&'static str, String); 3] {
         r#"{{"format": "bmv-pass/1", "title": "Ground", "parent": null, "model": "model.json", "seed": 3,
         "measurements": {{"year": {{"transient": {{"file": "data.csv",
             "initial": {{"temperatures": {{"all": {{"value": 2, "unit": "degC"}}}}}}, "sensors": {{{}, {}, {}}}}}}}}},
-        "jobs": {{"missing": {{"diagnose": {{}}}}}}}}"#,
+        "jobs": {{"missing": {{"diagnose": {{"effects": ["latent-heat", "thermal-mass", "hidden-node", "event-load",
+            "dated-load", "input-proportional-load", "conductance-step", "temperature-dependent-conductance", "sensor-lag"],
+            "most": 1}}}}}}}}"#,
         sensor("a"),
         sensor("b"),
         sensor("d")

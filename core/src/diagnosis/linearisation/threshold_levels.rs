@@ -31,24 +31,55 @@ pub(crate) fn thresholds(
     effect: &Effect,
     parameter: &EffectParameter,
 ) -> Option<Vec<f64>> {
-    let steady = all_steady(problem);
-    let evenly = |[least, most]: [f64; 2], count: usize| -> Vec<f64> {
-        (0..count).map(|k| least + (most - least) * (k as f64 + 0.5) / count as f64).collect()
-    };
     let Some(levels) = all_levels(problem, candidate, effect, parameter) else {
         let Compared::Nodes(_) = compared(candidate, effect, parameter)? else { return None };
-        return Some(evenly(span(problem)?, if steady { MOST } else { MOST_OF_COURSE }));
+        let count = if all_steady(problem) { MOST } else { MOST_OF_COURSE };
+        return Some(evenly(span(problem)?, count));
     };
+    if let Some(count) = count_of_course(problem, candidate, effect, parameter, &levels) {
+        return Some(evenly([levels[0], levels[levels.len() - 1]], count));
+    }
     let middles: Vec<f64> = levels.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
-    if middles.is_empty() {
-        return None;
-    }
-    let most = if is_time(problem, candidate, effect, parameter) { MOST_TIMES } else { MOST_OF_COURSE };
-    if !steady && middles.len() > most {
-        return Some(evenly([levels[0], levels[levels.len() - 1]], most));
-    }
     let count = middles.len().min(MOST);
-    Some((0..count).map(|k| middles[(2 * k + 1) * middles.len() / (2 * count)]).collect())
+    let chosen = (0..count).map(|k| middles[(2 * k + 1) * middles.len() / (2 * count)]);
+    (count > 0).then(|| chosen.collect())
+}
+
+/// How far apart such values are (SI) where they are evenly spread over a course: between two of them there are others that the
+/// data tell apart. `None` where each stands for a gap between two levels.
+pub(crate) fn spacing_over_course(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+) -> Option<f64> {
+    let ([least, most], count) = match all_levels(problem, candidate, effect, parameter) {
+        Some(levels) => {
+            let count = count_of_course(problem, candidate, effect, parameter, &levels)?;
+            ([levels[0], levels[levels.len() - 1]], count)
+        }
+        None => {
+            let Compared::Nodes(_) = compared(candidate, effect, parameter)? else { return None };
+            (span(problem).filter(|_| !all_steady(problem))?, MOST_OF_COURSE)
+        }
+    };
+    Some((most - least) / count as f64)
+}
+
+/// How many values are tried of what varies continuously. `None` where there are fewer gaps between levels, or no transients.
+fn count_of_course(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+    levels: &[f64],
+) -> Option<usize> {
+    let most = if is_time(problem, candidate, effect, parameter) { MOST_TIMES } else { MOST_OF_COURSE };
+    (!all_steady(problem) && levels.len() > most + 1).then_some(most)
+}
+
+fn evenly([least, most]: [f64; 2], count: usize) -> Vec<f64> {
+    (0..count).map(|k| least + (most - least) * (k as f64 + 0.5) / count as f64).collect()
 }
 
 /// The levels about a value (SI) of such a parameter, or the ends of its prior. `None` where it has no levels or its prior

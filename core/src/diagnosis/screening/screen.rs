@@ -10,13 +10,14 @@ use serde::{Deserialize, Serialize};
 use crate::diagnosis::engine::{Diagnosis, SensorNoise};
 use crate::diagnosis::linearisation::between_rows::BetweenRows;
 use crate::diagnosis::linearisation::bounded::Place;
-use crate::diagnosis::linearisation::signature;
+use crate::diagnosis::linearisation::signature::{self, Signatures};
 use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::noise::estimate;
 use crate::diagnosis::noise::restricted_likelihood::LinearFit;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::nothing_stands;
 use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
+use crate::diagnosis::screening::between_values::shapes_between;
 use crate::diagnosis::screening::detectable::detectable;
 use crate::diagnosis::screening::family::{Extras, Family, MemberKind};
 use crate::diagnosis::screening::null_maximum::Sampling;
@@ -159,13 +160,14 @@ impl<'a> Scored<'a> {
     }
 
     /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept.
-    fn best(
-        problem: &Problem,
-        likelihood: &Likelihood,
-        unknowns: &[f64],
+    fn best<'b>(
+        problem: &'b Problem,
+        likelihood: &'b Likelihood,
+        unknowns: &'b [f64],
         linear: &'a Linear,
         wanted: impl Fn(&Direction) -> bool,
-    ) -> Result<(Self, Vec<signature::Unseen>), FitError> {
+    ) -> Result<(Self, Vec<signature::Unseen>, Signatures<'b>), FitError> {
+        let signatures = Signatures::new(problem, likelihood, unknowns)?;
         let mut scored = Self::new(linear);
         if problem.is_misspecified {
             // What a model lacks that is wrong everywhere may be far from what the catalogue takes for plausible.
@@ -176,7 +178,7 @@ impl<'a> Scored<'a> {
                 directions.retain(&wanted);
                 scored.take(directions);
             };
-            signature::for_each_direction_in_coordinates(problem, likelihood, unknowns, positions, &mut give)
+            signatures.for_each(positions, &mut give)
         };
         let mut late = signature::probed_pairs(problem);
         if late.len() <= MOST_PAIRS_PROBED {
@@ -192,7 +194,17 @@ impl<'a> Scored<'a> {
             unseen.extend(find(&mut scored, &chosen)?);
         }
         scored.end();
-        Ok((scored, unseen))
+        Ok((scored, unseen, signatures))
+    }
+
+    /// The best effects about their best dates and thresholds.
+    fn between_values(&self, problem: &Problem, signatures: Signatures<'_>) -> Result<Self, FitError> {
+        let mut between = Self::new(self.linear);
+        between.prepared.largest = self.prepared.largest;
+        let ranked = self.ranked().into_iter().map(|d| &self.directions[d]);
+        signatures.at_shapes(shapes_between(problem, ranked), &mut |directions| between.take(directions))?;
+        between.end();
+        Ok(between)
     }
 
     /// The best directions with all their rows.
@@ -280,7 +292,7 @@ impl Diagnosis {
     pub(crate) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, FitError> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
-        let (scored, unseen) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
+        let (scored, unseen, signatures) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
         let (groups, names) = groups(problem, &likelihood);
         let estimated = problem.noise_freedom;
         let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
@@ -306,7 +318,7 @@ impl Diagnosis {
             }
         }
         let mut screening = Screening {
-            leads: self.leads(problem, &scored),
+            leads: self.leads(problem, &scored, signatures)?,
             pairs: Vec::new(),
             pairs_screened: 0,
             family: FamilySummary { p, tests },
@@ -369,8 +381,8 @@ impl Diagnosis {
     pub(crate) fn leads_beside(&self, problem: &Problem, refit: &Refit) -> Result<Vec<Lead>, FitError> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
-        let (scored, _) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
-        Ok(self.leads(problem, &scored))
+        let (scored, _, signatures) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
+        self.leads(problem, &scored, signatures)
     }
 
     /// Of some candidates what they would explain of what a fit leaves, the best first; `refit` is that of the problem's model.
@@ -383,16 +395,29 @@ impl Diagnosis {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
         let mut scored = Scored::new(&linear);
-        let mut take = |directions| scored.take(directions);
-        signature::for_each_direction_in_coordinates(problem, &likelihood, &refit.unknowns, positions, &mut take)?;
+        let signatures = Signatures::new(problem, &likelihood, &refit.unknowns)?;
+        signatures.for_each(positions, &mut |directions| scored.take(directions))?;
         scored.end();
-        Ok(self.leads(problem, &scored))
+        self.leads(problem, &scored, signatures)
     }
 
     /// The effects, best first, with starts from their best directions.
-    fn leads(&self, problem: &Problem, scored: &Scored<'_>) -> Vec<Lead> {
+    fn leads(&self, problem: &Problem, scored: &Scored<'_>, signatures: Signatures<'_>) -> Result<Vec<Lead>, FitError> {
+        let between = scored.between_values(problem, signatures)?;
+        let mut best_between: BTreeMap<usize, usize> = BTreeMap::new();
+        for d in between.ranked() {
+            best_between.entry(between.directions[d].candidate).or_insert(d);
+        }
+        // What is better there stands for the best direction of the same effect.
+        let in_place =
+            scored.ranked().into_iter().map(|d| match best_between.remove(&scored.directions[d].candidate) {
+                Some(own) if between.fall(own) > scored.fall(d) => (&between, own),
+                _ => (scored, d),
+            });
+        let mut order: Vec<(&Scored<'_>, usize)> = in_place.collect();
+        order.sort_by(|(a, i), (b, j)| b.fall(*j).total_cmp(&a.fall(*i)));
         let mut leads: Vec<Lead> = Vec::new();
-        for d in scored.ranked() {
+        for (scored, d) in order {
             let direction = &scored.directions[d];
             let start = || self.start(problem, direction, &scored.scores[d].amplitudes);
             let full = leads.len() >= MOST_LEADS;
@@ -405,7 +430,7 @@ impl Diagnosis {
                 None => {}
             }
         }
-        leads
+        Ok(leads)
     }
 
     /// Values of an effect's parameters at amplitudes of one of its directions, within the priors.

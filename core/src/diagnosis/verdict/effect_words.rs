@@ -186,7 +186,7 @@ pub(super) fn too_narrow(effect: &EffectResult, problem: &Problem) -> String {
 const LEAST_MODEL_ERROR: f64 = 0.05;
 
 /// What would read the same as an effect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Likeness {
     /// A gradient within its node.
     Gradient,
@@ -194,6 +194,8 @@ pub enum Likeness {
     Source,
     /// What was peculiar to each of a few phases.
     Phases,
+    /// Errors of lumped nodes, of this size in K.
+    LumpedNodes(f64),
     /// Nothing in particular.
     None,
 }
@@ -212,6 +214,12 @@ pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
             }
             (Likeness::Phases, _) => {
                 "There are hardly more phases than the curve has values: what was peculiar to each phase would read the same. Half of the probability is given to that."
+            }
+            (Likeness::LumpedNodes(size_k), _) => {
+                return format!(
+                    " Errors of {} K, such as lumped nodes have where temperatures vary as here, would explain as much: half of the probability is given to them.",
+                    short(size_k, 1)
+                );
             }
             (Likeness::None, true) => {
                 "Errors of the model itself may be all that it stands for: half of the probability is given to them."

@@ -41,10 +41,15 @@ impl Findings<'_> {
         effects.into_iter().filter_map(one).filter(|(_, probability)| *probability > 0.0).collect()
     }
 
+    /// Whether lumped nodes may well be what an effect explains, and nothing else says that it may be none.
+    pub(super) fn is_lumped_nodes_alone(&self, effect: usize) -> bool {
+        self.lumped_nodes.get(&effect).is_some_and(|own| *own >= IS_MODEL_ERROR) && !self.is_small(effect)
+    }
+
     /// Sum of squares, in those of the noise, that lumped nodes make in the fitted readings of thermometers.
     fn squares_of_lumped_nodes(&self) -> f64 {
         let readings = self.problem.fitted_readings();
-        let lumped_k = LUMPED * typical_variation_k(self.problem, &readings);
+        let lumped_k = lumped_k(self.problem);
         let of = |reading: &FittedReading| {
             let sensor = &self.problem.measurements[reading.measurement].sensors[reading.sensor];
             if !self.problem.model.quantities[sensor.quantity].is_temperature {
@@ -56,6 +61,11 @@ impl Findings<'_> {
         };
         readings.iter().map(of).sum()
     }
+}
+
+/// Standard deviation of the errors of lumped nodes in a problem's readings, K.
+pub(super) fn lumped_k(problem: &Problem) -> f64 {
+    LUMPED * typical_variation_k(problem, &problem.fitted_readings())
 }
 
 /// Whether a gradient within a node reads the same as an effect.

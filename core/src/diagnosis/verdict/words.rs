@@ -11,6 +11,7 @@ use crate::diagnosis::verdict::effect_words::{
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::far_from_priors;
 use crate::diagnosis::verdict::findings::Findings;
+use crate::diagnosis::verdict::lumped_nodes::lumped_k;
 use crate::diagnosis::verdict::numbers::{joined, kelvins, short, stated_amount, with_error};
 use crate::diagnosis::verdict::one_kind::one_kind;
 use crate::diagnosis::verdict::precedence;
@@ -303,6 +304,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     false if place.is_some_and(|place| findings.is_source(place)) => Likeness::Source,
                     false if place.is_some_and(|place| is_curve_of_few_phases(findings.problem, place)) => {
                         Likeness::Phases
+                    }
+                    false if place.is_some_and(|place| findings.is_lumped_nodes_alone(place)) => {
+                        Likeness::LumpedNodes(lumped_k(findings.problem))
                     }
                     false => Likeness::None,
                 }

@@ -1,3 +1,4 @@
+mod between_values;
 mod family;
 pub mod fixture;
 mod score;

@@ -23,6 +23,8 @@ fn why_errors_of_the_model_may_be_it_is_said_where_it_is_so() {
     assert!(warm.starts_with(" These surroundings are warmer than every boundary"), "{warm}");
     let few = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, Likeness::Phases);
     assert!(few.starts_with(" There are hardly more phases than the curve has values"), "{few}");
+    let lumped = or_model_error(&EffectResult { model_error: 0.5, ..effect(0.03) }, Likeness::LumpedNodes(0.062));
+    assert!(lumped.starts_with(" Errors of 0.06 K, such as lumped nodes have"), "{lumped}");
 }
 
 #[test]

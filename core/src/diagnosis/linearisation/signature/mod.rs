@@ -19,6 +19,8 @@ mod slopes;
 mod swap;
 pub mod variant;
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use crate::diagnosis::FitError;
@@ -154,70 +156,101 @@ pub fn for_each_direction(
     positions: &[usize],
     give: &mut dyn FnMut(Vec<Direction>),
 ) -> Result<Vec<Unseen>, FitError> {
-    for_each_direction_in_coordinates(problem, likelihood, unknowns, positions, &mut |directions| {
+    let signatures = Signatures::new(problem, likelihood, unknowns)?;
+    signatures.for_each(positions, &mut |directions| {
         give(directions.into_par_iter().map(Direction::on_all_rows).collect());
     })
 }
 
-/// The same, but where few coordinates stand for the rows of a direction, it has these.
-///
-/// # Errors
-/// As [`for_each_direction`].
-pub fn for_each_direction_in_coordinates(
-    problem: &Problem,
-    likelihood: &Likelihood,
-    unknowns: &[f64],
-    positions: &[usize],
-    give: &mut dyn FnMut(Vec<Direction>),
-) -> Result<Vec<Unseen>, FitError> {
-    let base = Base::new(problem, likelihood, unknowns)?;
-    // Where the means have no solution, every row is kept.
-    let coarse = Coarse::new(&base).ok().flatten();
-    let coarse_base = coarse.as_ref().and_then(|coarse| coarse.base().ok());
-    let courses = coarse.as_ref().and_then(|coarse| Courses::new(&base, coarse.kept()));
-    let fewer_rows = coarse.as_ref().zip(coarse_base.as_ref());
-    let forms = Forms::new(problem);
-    // Transients have no adjoints here.
-    let phases = if forms.is_steady() { Some(Phases::new(likelihood, unknowns)?) } else { None };
-    let mut swaps = swap::Swaps::default();
-    let mut parameters = parameter::Parameters::default();
-    let mut unseen = Vec::new();
-    let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
-    for block in positions.chunks(together) {
-        let forms: Vec<Form<'_>> = block.iter().map(|&position| forms.of(problem, position)).collect();
-        let smooth: Vec<(usize, &Form<'_>)> =
-            block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
-        let exact = || match fewer_rows {
-            Some(fewer_rows) => exact_on_fewer_rows(&base, fewer_rows, courses.as_ref(), &smooth),
-            None => exact(&base, phases.as_ref(), &smooth),
-        };
-        let probe = |(&position, form): (&usize, &Form<'_>)| match (form, fewer_rows) {
-            (Form::Probe { effect }, Some((coarse, coarse_base))) if coarse.takes(position) => {
-                Some(coarse.on_all_rows(&base, probe::directions(coarse_base, position, effect)))
-            }
-            (Form::Probe { effect }, _) => Some(probe::directions(&base, position, effect)),
-            _ => None,
-        };
-        let probed = || block.par_iter().zip(&forms).filter_map(probe).collect::<Vec<Found>>();
-        let (exact, probed) = rayon::join(exact, probed);
-        let (mut exact, mut probed) = (exact.into_iter(), probed.into_iter());
-        let mut found = Vec::new();
-        for (&position, form) in block.iter().zip(&forms) {
-            let candidate_directions = match form {
-                Form::Unseen(reason) => Err((*reason).into()),
-                Form::Smooth { .. } => exact.next().unwrap_or(Err(NoDirection::NotScreened.into())),
-                Form::Probe { .. } => probed.next().unwrap_or(Err(NoDirection::NotScreened.into())),
-                Form::Swap => swaps.direction(&base, position),
-                Form::Parameter(index) => parameters.direction(&base, position, *index),
-            };
-            match candidate_directions {
-                Ok(candidate_directions) => found.extend(candidate_directions),
-                Err(reason) => unseen.push(Unseen { candidate: position, reason }),
-            }
-        }
-        give(found);
+/// What the directions of candidates at a fit are found from.
+pub struct Signatures<'a> {
+    base: Base<'a>,
+    coarse: Option<Coarse>,
+    courses: Option<Courses>,
+    forms: Forms,
+    /// Transients have no adjoints here.
+    phases: Option<Phases>,
+}
+
+impl<'a> Signatures<'a> {
+    /// Of a problem whose `likelihood` without effects has its fit at `unknowns` (SI).
+    ///
+    /// # Errors
+    /// [`FitError`] where the fit cannot be evaluated.
+    pub fn new(problem: &'a Problem, likelihood: &'a Likelihood, unknowns: &'a [f64]) -> Result<Self, FitError> {
+        let base = Base::new(problem, likelihood, unknowns)?;
+        // Where the means have no solution, every row is kept.
+        let coarse = Coarse::new(&base).ok().flatten().filter(|coarse| coarse.base().is_ok());
+        let courses = coarse.as_ref().and_then(|coarse| Courses::new(&base, coarse.kept()));
+        let forms = Forms::new(problem);
+        let phases = if forms.is_steady() { Some(Phases::new(likelihood, unknowns)?) } else { None };
+        Ok(Self { base, coarse, courses, forms, phases })
     }
-    Ok(unseen)
+
+    /// Gives directions of smooth effects at these values of their shapes (SI, by candidate) in place of the usual ones.
+    ///
+    /// # Errors
+    /// As [`Signatures::for_each`].
+    pub fn at_shapes(
+        mut self,
+        shapes: BTreeMap<usize, Vec<Vec<f64>>>,
+        give: &mut dyn FnMut(Vec<Direction>),
+    ) -> Result<(), FitError> {
+        let positions: Vec<usize> = shapes.keys().copied().collect();
+        self.base.shapes = shapes;
+        self.for_each(&positions, give).map(|_| ())
+    }
+
+    /// Gives the directions of candidates as [`for_each_direction`], but where few coordinates stand for the rows of a direction, it
+    /// has these.
+    ///
+    /// # Errors
+    /// [`FitError`] where the fit cannot be evaluated.
+    pub fn for_each(&self, positions: &[usize], give: &mut dyn FnMut(Vec<Direction>)) -> Result<Vec<Unseen>, FitError> {
+        let Self { base, coarse, courses, forms, phases } = self;
+        let problem = base.problem;
+        let coarse_base = coarse.as_ref().and_then(|coarse| coarse.base().ok());
+        let fewer_rows = coarse.as_ref().zip(coarse_base.as_ref());
+        let mut swaps = swap::Swaps::default();
+        let mut parameters = parameter::Parameters::default();
+        let mut unseen = Vec::new();
+        let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
+        for block in positions.chunks(together) {
+            let forms: Vec<Form<'_>> = block.iter().map(|&position| forms.of(problem, position)).collect();
+            let smooth: Vec<(usize, &Form<'_>)> =
+                block.iter().copied().zip(&forms).filter(|(_, form)| matches!(form, Form::Smooth { .. })).collect();
+            let exact = || match fewer_rows {
+                Some(fewer_rows) => exact_on_fewer_rows(base, fewer_rows, courses.as_ref(), &smooth),
+                None => exact(base, phases.as_ref(), &smooth),
+            };
+            let probe = |(&position, form): (&usize, &Form<'_>)| match (form, fewer_rows) {
+                (Form::Probe { effect }, Some((coarse, coarse_base))) if coarse.takes(position) => {
+                    Some(coarse.on_all_rows(base, probe::directions(coarse_base, position, effect)))
+                }
+                (Form::Probe { effect }, _) => Some(probe::directions(base, position, effect)),
+                _ => None,
+            };
+            let probed = || block.par_iter().zip(&forms).filter_map(probe).collect::<Vec<Found>>();
+            let (exact, probed) = rayon::join(exact, probed);
+            let (mut exact, mut probed) = (exact.into_iter(), probed.into_iter());
+            let mut found = Vec::new();
+            for (&position, form) in block.iter().zip(&forms) {
+                let candidate_directions = match form {
+                    Form::Unseen(reason) => Err((*reason).into()),
+                    Form::Smooth { .. } => exact.next().unwrap_or(Err(NoDirection::NotScreened.into())),
+                    Form::Probe { .. } => probed.next().unwrap_or(Err(NoDirection::NotScreened.into())),
+                    Form::Swap => swaps.direction(base, position),
+                    Form::Parameter(index) => parameters.direction(base, position, *index),
+                };
+                match candidate_directions {
+                    Ok(candidate_directions) => found.extend(candidate_directions),
+                    Err(reason) => unseen.push(Unseen { candidate: position, reason }),
+                }
+            }
+            give(found);
+        }
+        Ok(unseen)
+    }
 }
 
 /// The directions of effects that are smooth at amplitude 0.
@@ -289,6 +322,8 @@ pub struct Base<'a> {
     whitening: Whitening,
     /// Readings and rows of priors.
     rows: usize,
+    /// Values (SI) of the shapes of candidates that are not tried at the usual ones.
+    shapes: BTreeMap<usize, Vec<Vec<f64>>>,
 }
 
 impl<'a> Base<'a> {
@@ -301,7 +336,7 @@ impl<'a> Base<'a> {
         likelihood.residuals(unknowns, &mut likelihood.workspace(), &mut residuals)?;
         let rows = NaturalObjective::new(likelihood)?.rows();
         let whitening = likelihood.whitening(unknowns)?;
-        Ok(Self { problem, likelihood, unknowns, residuals, whitening, rows })
+        Ok(Self { problem, likelihood, unknowns, residuals, whitening, rows, shapes: BTreeMap::new() })
     }
 
     /// Unknowns of another likelihood that has most of these: by name, others at their prior's median.

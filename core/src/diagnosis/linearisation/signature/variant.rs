@@ -32,7 +32,8 @@ pub fn variants<'a>(base: &Base<'_>, asked: &[(usize, &Form<'a>)]) -> Vec<Varian
         let &Form::Smooth { effect } = form else { continue };
         let written = effect.parameters(&base.problem.model, &base.problem.candidates[candidate].bound);
         let bound_candidate = &base.problem.candidates[candidate];
-        for shape in shapes(&written, |parameter| thresholds(base.problem, bound_candidate, effect, parameter)) {
+        let usual = || shapes(&written, |parameter| thresholds(base.problem, bound_candidate, effect, parameter));
+        for shape in base.shapes.get(&candidate).cloned().unwrap_or_else(usual) {
             let mut values = shape.iter();
             let parameters = (written.iter())
                 .map(|parameter| {
