@@ -66,6 +66,21 @@ pub(crate) fn test(problem: &Problem, baseline: &Refit, chosen: &Refit, stated: 
     })
 }
 
+/// Whether the held-out rows reject a set, but not another one, and say more for that than the fitted rows for the set by `log_odds`.
+/// Where all noise is stated; a set with fewer readings that it decides on has an advantage that does not count.
+pub fn is_outdone(own: &HeldOutTest, other: &HeldOutTest, log_odds: f64) -> bool {
+    let falls = own.chi_square.zip(other.chi_square).map(|(own, other)| 0.5 * (own - other));
+    is_rejected(own)
+        && other.p.is_some_and(|p| p >= AGAINST)
+        && other.readings >= own.readings
+        && falls.is_some_and(|falls| falls > log_odds)
+}
+
+/// Whether the size of the errors alone speaks against a set.
+pub fn is_rejected(test: &HeldOutTest) -> bool {
+    test.p.is_some_and(|p| p < FAR)
+}
+
 /// Mean of the blocks' gains and its standard error, which one block does not have; `None` without a block, or where they are
 /// no numbers.
 pub fn mean_gain(gains: &[f64]) -> Option<(f64, Option<f64>)> {

@@ -25,6 +25,8 @@ use std::collections::BTreeMap;
 
 /// Probability of a set below which the held-out rows are not asked.
 const LEAST_TESTED: f64 = 1e-3;
+/// Sets of which it is asked whether they predict held-out rows that reject another one.
+const MOST_OTHERS: usize = 20;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
 /// Reduced chi-square, beside the model error that is allowed for, above which a set does not bring the model near it.
@@ -112,7 +114,8 @@ impl Diagnosis {
             held_out_test = best(&findings.weights)
                 .and_then(|place| held_out::test(&problem, baseline, &state.refits[place], stated));
             let is_vetoed = |place: usize| {
-                held_out::test(&problem, baseline, &state.refits[place], stated).is_some_and(|test| test.veto)
+                let test = held_out::test(&problem, baseline, &state.refits[place], stated);
+                test.is_some_and(|test| test.veto || stated && is_outdone(&findings, place, &test))
             };
             // A story takes no step that the held-out rows speak against.
             let vetoed = veto(&findings.weights, LEAST_TESTED, |place| findings.story.is_none() && is_vetoed(place));
@@ -295,6 +298,21 @@ impl Diagnosis {
         let rather_else = findings.weights.unexplained > RATHER_ELSE;
         (found && far) || rather_else
     }
+}
+
+/// Whether the held-out rows, which reject a set, are predicted by another one, by more than the fitted rows prefer the set.
+fn is_outdone(findings: &Findings<'_>, place: usize, test: &HeldOutTest) -> bool {
+    if !held_out::is_rejected(test) {
+        return false;
+    }
+    let (refits, weights) = (&findings.state.refits, &findings.weights.sets);
+    let mut others: Vec<usize> = (1..refits.len()).filter(|&other| other != place && weights[other] > 0.0).collect();
+    others.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
+    others.into_iter().take(MOST_OTHERS).any(|other| {
+        let log_odds = ln(weights[place] / weights[other]);
+        let of_other = held_out::test(findings.problem, &refits[0], &refits[other], true);
+        of_other.is_some_and(|of_other| held_out::is_outdone(test, &of_other, log_odds))
+    })
 }
 
 fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
