@@ -335,7 +335,7 @@ impl Drop for Server {
 #[test]
 fn a_served_network_is_a_model_of_another_pass() {
     const CALIBRATION: &str =
-        r#", "fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 2, "draws": 64}}"#;
+        r#", "fit": {"calibrate": {"parameters": ["eps"], "sampler": "smc", "chains": 2, "draws": 32}}"#;
     const CHOICES: &str = r#", "phases": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "learn": ["eps"], "nuisance": [],
         "estimator": "nested", "outer": 256, "inner": 4}},
       "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 4}},
