@@ -1,5 +1,5 @@
-//! By the enthalpy method by hand: a node whose wax melts, found among the whole catalogue, and layers of wet ground that freeze, found
-//! among what stores heat or changes at a level.
+//! A node whose wax melts, found among the whole catalogue, and layers of wet ground that freeze, found among what stores heat or
+//! changes at a level. Their data come from the enthalpy method, by hand.
 
 use bmv::diagnosis::{Output, Verdict};
 use bmv::random::StreamKey;

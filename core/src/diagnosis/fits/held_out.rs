@@ -32,6 +32,16 @@ const LEAST_BLOCKS: usize = 4;
 /// the noise that their squares are no numbers.
 /// `stated`: all noise is stated, so that the size of the errors itself can be judged.
 pub(crate) fn test(problem: &Problem, baseline: &Refit, chosen: &Refit, stated: bool) -> Option<HeldOutTest> {
+    test_with_prediction(problem, baseline, chosen, stated).map(|(test, _)| test)
+}
+
+/// The same, and what the set predicts.
+pub(crate) fn test_with_prediction(
+    problem: &Problem,
+    baseline: &Refit,
+    chosen: &Refit,
+    stated: bool,
+) -> Option<(HeldOutTest, Option<Predicted>)> {
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     let undecided = undecided(problem, chosen);
     let mut squares = [0.0; 2];
@@ -51,34 +61,55 @@ pub(crate) fn test(problem: &Problem, baseline: &Refit, chosen: &Refit, stated: 
     let (mean, se) = mean_gain(&gains)?;
     let is_against = |se: f64| se > 0.0 && student_t_cdf(mean / se, (count - 1) as f64) < AGAINST;
     let worse = count >= LEAST_BLOCKS && se.is_some_and(is_against);
-    let judged = chi_square(problem, chosen, &undecided);
-    let p = judged.map(|(square, readings)| chi_square_sf(square, readings as f64));
+    let judged = predicted(problem, chosen, &undecided);
+    let p = judged.map(|judged| judged.p());
     let clearly_better = mean > CLEARLY * se.unwrap_or(0.0);
     let bad = is_bad(p, stated && !clearly_better, squares);
-    Some(HeldOutTest {
+    let test = HeldOutTest {
         gain: mean,
         se,
         blocks: count as u64,
-        chi_square: judged.map(|(square, _)| square),
-        readings: judged.map_or(chosen.held_out.len(), |(_, readings)| readings) as u64,
+        chi_square: judged.map(|judged| judged.square),
+        readings: judged.map_or(chosen.held_out.len(), |judged| judged.readings) as u64,
         p,
         veto: worse || bad,
-    })
-}
-
-/// Whether the held-out rows reject a set, but not another one, and say more for that than the fitted rows for the set by `log_odds`.
-/// Where all noise is stated; a set with fewer readings that it decides on has an advantage that does not count.
-pub fn is_outdone(own: &HeldOutTest, other: &HeldOutTest, log_odds: f64) -> bool {
-    let falls = own.chi_square.zip(other.chi_square).map(|(own, other)| 0.5 * (own - other));
-    is_rejected(own)
-        && other.p.is_some_and(|p| p >= AGAINST)
-        && other.readings >= own.readings
-        && falls.is_some_and(|falls| falls > log_odds)
+    };
+    Some((test, judged))
 }
 
 /// Whether the size of the errors alone speaks against a set.
-pub fn is_rejected(test: &HeldOutTest) -> bool {
+pub(crate) fn is_rejected(test: &HeldOutTest) -> bool {
     test.p.is_some_and(|p| p < FAR)
+}
+
+/// What a set predicts of held-out readings, with noise and parameters as uncertain as they are after the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted {
+    /// Sum of squares of the errors over their covariance.
+    pub square: f64,
+    /// Logarithm of the determinant of this covariance over that of the noise.
+    pub log_volume: f64,
+    /// Readings.
+    pub readings: usize,
+}
+
+impl Predicted {
+    /// Probability of a larger sum of squares where nothing else is missing.
+    pub fn p(&self) -> f64 {
+        chi_square_sf(self.square, self.readings as f64)
+    }
+
+    /// Whether the readings reject the set.
+    pub fn is_rejected(&self) -> bool {
+        self.p() < FAR
+    }
+
+    /// Whether the readings reject the set, but not another one, which is more probable with what they say of both; `log_odds` are
+    /// those of this set against the other one without these readings. A set may leave rows undecided: then there is no comparison.
+    pub fn is_outdone_by(&self, other: &Self, log_odds: f64) -> bool {
+        let falls = 0.5 * (self.square + self.log_volume - other.square - other.log_volume);
+        self.is_rejected() && other.p() >= AGAINST && other.readings == self.readings && falls > log_odds
+    }
 }
 
 /// Mean of the blocks' gains and its standard error, which one block does not have; `None` without a block, or where they are
@@ -97,12 +128,11 @@ pub fn is_bad(p: Option<f64>, judged: bool, [before, after]: [f64; 2]) -> bool {
     p.is_some_and(|p| p < FAR) && (judged || after > FAR_WORSE * before)
 }
 
-/// Sum of squares of the held-out errors over the covariance of noise and of the parameters after the fit, and their
-/// number: with `F` the slopes of the whitened predictions, `M` the information of the fit,
-/// `r' (I + F M^-1 F')^-1 r = r' r - r' F (M + F' F)^-1 F' r` (Woodbury).
+/// What a set predicts of the held-out rows. With `r` the whitened errors, `F` the slopes of the whitened predictions, `M` the information of the fit:
+/// `r' (I + F M^-1 F')^-1 r = r' r - r' F (M + F' F)^-1 F' r` (Woodbury), and `|I + F M^-1 F'| = |M + F' F| / |M|`.
 ///
 /// Parameters that press against a bound count as free: what little they can move is more than nothing.
-fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usize)>) -> Option<(f64, usize)> {
+fn predicted(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usize)>) -> Option<Predicted> {
     let with = problem.with(chosen).ok()?;
     let fitted = linear(&with, chosen)?;
     let mut exchanged = with;
@@ -119,21 +149,23 @@ fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usi
     let n = fitted.parameters();
     let free: Vec<usize> = (0..n).filter(|&i| fitted.lower[i] < fitted.upper[i]).collect();
     let k = free.len();
-    let mut matrix = vec![0.0; k * k];
-    let slopes = fitted.jacobian.chunks_exact(n.max(1));
-    for row in slopes.chain(predicted.jacobian.chunks_exact(n.max(1)).take(predicted.readings)) {
+    let mut information = vec![0.0; k * k];
+    let add = |matrix: &mut [f64], row: &[f64]| {
         for (a, &i) in free.iter().enumerate() {
             for (b, &j) in free.iter().enumerate() {
                 matrix[a * k + b] += row[i] * row[j];
             }
         }
-    }
+    };
+    fitted.jacobian.chunks_exact(n.max(1)).for_each(|row| add(&mut information, row));
     for (a, &i) in free.iter().enumerate() {
         let width = fitted.upper[i] - fitted.lower[i];
         if width.is_finite() && width > 0.0 {
-            matrix[a * k + a] += 12.0 / (width * width);
+            information[a * k + a] += 12.0 / (width * width);
         }
     }
+    let mut matrix = information.clone();
+    predicted.jacobian.chunks_exact(n.max(1)).take(predicted.readings).for_each(|row| add(&mut matrix, row));
     let residuals = &predicted.residuals[..predicted.readings];
     let mut right = vec![0.0; k];
     for (row, r) in predicted.jacobian.chunks_exact(n.max(1)).zip(residuals) {
@@ -143,8 +175,14 @@ fn chi_square(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usi
     }
     cholesky::factor(&mut matrix, k).ok()?;
     cholesky::solve_lower(&matrix, &mut right);
+    let log_volume = match cholesky::factor(&mut information, k) {
+        Ok(()) => cholesky::log_determinant(&matrix, k) - cholesky::log_determinant(&information, k),
+        // The fitted rows leave something open altogether.
+        Err(_) => f64::INFINITY,
+    };
     let square = residuals.iter().map(|r| r * r).sum::<f64>() - right.iter().map(|v| v * v).sum::<f64>();
-    (predicted.readings > 0).then_some((square.max(0.0), predicted.readings))
+    let readings = predicted.readings;
+    (readings > 0).then_some(Predicted { square: square.max(0.0), log_volume, readings })
 }
 
 /// Held-out rows on which the fitted rows do not decide: those between the two levels where a set has a threshold.

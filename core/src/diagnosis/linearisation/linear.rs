@@ -62,6 +62,21 @@ impl Direction {
         self.lower.len()
     }
 
+    /// What it is a direction of, without columns.
+    pub fn without_columns(&self) -> Self {
+        Self {
+            candidate: self.candidate,
+            parameters: self.parameters.clone(),
+            shape: self.shape.clone(),
+            columns: Vec::new(),
+            coordinates: None,
+            lower: self.lower.clone(),
+            upper: self.upper.clone(),
+            plausible: self.plausible.clone(),
+            probe: self.probe.clone(),
+        }
+    }
+
     /// The direction with all its rows.
     pub fn on_all_rows(mut self) -> Self {
         if let Some(coordinates) = self.coordinates.take() {

@@ -32,6 +32,17 @@ pub struct SetProbabilities {
     pub unexplained: f64,
 }
 
+impl SetProbabilities {
+    /// Without a set: the others have what it had, in proportion.
+    pub fn leave_out(&mut self, set: usize) {
+        self.sets[set] = 0.0;
+        let total = self.sets.iter().sum::<f64>() + self.unexplained;
+        if total > 0.0 {
+            self.sets.iter_mut().chain([&mut self.unexplained]).for_each(|weight| *weight /= total);
+        }
+    }
+}
+
 /// Logarithms of what sets weigh by evidence and prior, not normalised.
 pub fn log_posterior_weights(problem: &Problem, refits: &[Refit]) -> Vec<f64> {
     let odds = PriorOdds::new(problem);
@@ -100,12 +111,7 @@ pub fn veto(weights: &SetProbabilities, least: f64, is_vetoed: impl Fn(usize) ->
         vetoed.sets.push(set);
         vetoed.with.unexplained += weights.sets[set];
         vetoed.with.sets[set] = 0.0;
-        let left = &mut vetoed.without;
-        left.sets[set] = 0.0;
-        let total = left.sets.iter().sum::<f64>() + left.unexplained;
-        if total > 0.0 {
-            left.sets.iter_mut().chain([&mut left.unexplained]).for_each(|weight| *weight /= total);
-        }
+        vetoed.without.leave_out(set);
     }
     vetoed.sets.sort_unstable();
     vetoed

@@ -1,7 +1,7 @@
 //! Screening: what each effect and each pair of effects would do to the misfit at a fit, and the family of tests.
 
 use crate::diagnosis::FitError;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -103,6 +103,22 @@ pub struct Screening {
     pub detectable: Vec<(usize, f64, String)>,
 }
 
+/// What a direction would explain.
+#[derive(Clone)]
+struct Explains {
+    /// By how much it lowers the sum of squares, as [`Lead::fall`].
+    fall: f64,
+    /// The direction, without its columns.
+    direction: Direction,
+    amplitudes: Vec<f64>,
+}
+
+impl Explains {
+    fn new(direction: &Direction, score: &Score) -> Self {
+        Self { fall: fall(score), direction: direction.without_columns(), amplitudes: score.amplitudes.clone() }
+    }
+}
+
 /// The linearised problem with everything that was scored.
 struct Scored<'a> {
     linear: &'a Linear,
@@ -111,6 +127,8 @@ struct Scored<'a> {
     in_coordinates: Option<(Arc<BetweenRows>, Prepared)>,
     directions: Vec<Direction>,
     scores: Vec<Score>,
+    /// The best direction of each candidate, also of those that were not kept.
+    best_of: BTreeMap<usize, Explains>,
     /// Numbers of all columns.
     held: usize,
     /// Directions that were not kept, and pairs that were not tried.
@@ -126,6 +144,7 @@ impl<'a> Scored<'a> {
             in_coordinates: None,
             directions: Vec::new(),
             scores: Vec::new(),
+            best_of: BTreeMap::new(),
             held: 0,
             left_out: 0,
         }
@@ -147,7 +166,14 @@ impl<'a> Scored<'a> {
             (Some(_), Some((_, prepared))) => prepared.score(direction),
             _ => self.prepared.score(direction),
         };
+        let first = self.scores.len();
         self.scores.par_extend(directions.par_iter().map(score));
+        for (direction, score) in directions.iter().zip(&self.scores[first..]).filter(|(_, score)| score.seen) {
+            let known = self.best_of.get(&direction.candidate);
+            if known.is_none_or(|known| fall(score) > known.fall) {
+                self.best_of.insert(direction.candidate, Explains::new(direction, score));
+            }
+        }
         self.directions.extend(directions);
         if self.held >= 2 * MOST_ENTRIES {
             self.keep(MOST_ENTRIES);
@@ -197,14 +223,22 @@ impl<'a> Scored<'a> {
         Ok((scored, unseen, signatures))
     }
 
-    /// The best effects about their best dates and thresholds.
-    fn between_values(&self, problem: &Problem, signatures: Signatures<'_>) -> Result<Self, FitError> {
+    /// What the effects that explain most would explain about their best dates and thresholds, the best of each.
+    fn between_values(
+        &self,
+        problem: &Problem,
+        signatures: Signatures<'_>,
+    ) -> Result<BTreeMap<usize, Explains>, FitError> {
+        let mut ranked: Vec<&Explains> = self.best_of.values().collect();
+        ranked.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+        let shapes = shapes_between(problem, ranked.into_iter().map(|own| &own.direction));
         let mut between = Self::new(self.linear);
         between.prepared.largest = self.prepared.largest;
-        let ranked = self.ranked().into_iter().map(|d| &self.directions[d]);
-        signatures.at_shapes(shapes_between(problem, ranked), &mut |directions| between.take(directions))?;
-        between.end();
-        Ok(between)
+        signatures.at_shapes(shapes, &mut |directions| {
+            between.take(directions);
+            between.keep(0);
+        })?;
+        Ok(between.best_of)
     }
 
     /// The best directions with all their rows.
@@ -258,10 +292,8 @@ impl<'a> Scored<'a> {
         self.left_out += (before - order.len()) as u64;
     }
 
-    /// What orders directions: the fall of the sum of squares, less two for each freedom beyond the first.
     fn fall(&self, position: usize) -> f64 {
-        let score = &self.scores[position];
-        score.likelihood_ratio - 2.0 * (score.freedom - 1.0).max(0.0)
+        fall(&self.scores[position])
     }
 
     /// Positions of directions, best first.
@@ -284,6 +316,11 @@ impl<'a> Scored<'a> {
             .filter(|([a, b], _, _)| self.directions[*a].candidate != self.directions[*b].candidate)
             .collect()
     }
+}
+
+/// What orders directions: the fall of the sum of squares, less two for each freedom beyond the first.
+fn fall(score: &Score) -> f64 {
+    score.likelihood_ratio - 2.0 * (score.freedom - 1.0).max(0.0)
 }
 
 impl Diagnosis {
@@ -403,30 +440,29 @@ impl Diagnosis {
 
     /// The effects, best first, with starts from their best directions.
     fn leads(&self, problem: &Problem, scored: &Scored<'_>, signatures: Signatures<'_>) -> Result<Vec<Lead>, FitError> {
-        let between = scored.between_values(problem, signatures)?;
-        let mut best_between: BTreeMap<usize, usize> = BTreeMap::new();
-        for d in between.ranked() {
-            best_between.entry(between.directions[d].candidate).or_insert(d);
-        }
+        let mut between = scored.between_values(problem, signatures)?;
         // What is better there stands for the best direction of the same effect.
-        let in_place =
-            scored.ranked().into_iter().map(|d| match best_between.remove(&scored.directions[d].candidate) {
-                Some(own) if between.fall(own) > scored.fall(d) => (&between, own),
-                _ => (scored, d),
-            });
-        let mut order: Vec<(&Scored<'_>, usize)> = in_place.collect();
-        order.sort_by(|(a, i), (b, j)| b.fall(*j).total_cmp(&a.fall(*i)));
+        let in_place = scored.ranked().into_iter().map(|d| {
+            let (direction, own) = (&scored.directions[d], scored.fall(d));
+            let better = between.remove(&direction.candidate).filter(|better| better.fall > own);
+            better.unwrap_or_else(|| Explains::new(direction, &scored.scores[d]))
+        });
+        let mut order: Vec<Explains> = in_place.collect();
+        let kept: BTreeSet<usize> = order.iter().map(|own| own.direction.candidate).collect();
+        // Of candidates without a direction that was kept, too.
+        for (candidate, own) in scored.best_of.iter().filter(|(candidate, _)| !kept.contains(candidate)) {
+            let better = between.remove(candidate).filter(|better| better.fall > own.fall);
+            order.push(better.unwrap_or_else(|| own.clone()));
+        }
+        order.sort_by(|a, b| b.fall.total_cmp(&a.fall));
         let mut leads: Vec<Lead> = Vec::new();
-        for (scored, d) in order {
-            let direction = &scored.directions[d];
-            let start = || self.start(problem, direction, &scored.scores[d].amplitudes);
+        for Explains { fall, direction, amplitudes } in order {
+            let start = || self.start(problem, &direction, &amplitudes);
             let full = leads.len() >= MOST_LEADS;
             match leads.iter_mut().find(|lead| lead.candidate == direction.candidate) {
                 Some(lead) if lead.starts.len() < MOST_STARTS => lead.starts.push(start()),
                 Some(_) => {}
-                None if !full => {
-                    leads.push(Lead { candidate: direction.candidate, fall: scored.fall(d), starts: vec![start()] })
-                }
+                None if !full => leads.push(Lead { candidate: direction.candidate, fall, starts: vec![start()] }),
                 None => {}
             }
         }

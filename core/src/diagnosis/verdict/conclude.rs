@@ -1,13 +1,13 @@
 //! From fits to the verdict.
 
 use crate::diagnosis::engine::{Diagnosis, Remainder, State, TIMES_THE_STEPS};
-use crate::diagnosis::fits::held_out;
+use crate::diagnosis::fits::held_out::{self, Predicted};
 use crate::diagnosis::fits::refit::Begin;
 use crate::diagnosis::heat;
 use crate::diagnosis::heat::sources::NoHeat;
 use crate::diagnosis::noise::overstated;
 use crate::diagnosis::odds::posterior_odds::{
-    RIVALS_WITHIN, STANDS, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
+    RIVALS_WITHIN, STANDS, SetProbabilities, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
 };
 use crate::diagnosis::output::{HeldOutTest, Output, Verdict};
 use crate::diagnosis::story::Story;
@@ -21,12 +21,11 @@ use crate::document::counted;
 use crate::math::functions::ln;
 use crate::math::special::chi_square_sf;
 use crate::measurement::Doubt;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// Probability of a set below which the held-out rows are not asked.
 const LEAST_TESTED: f64 = 1e-3;
-/// Sets of which it is asked whether they predict held-out rows that reject another one.
-const MOST_OTHERS: usize = 20;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
 /// Reduced chi-square, beside the model error that is allowed for, above which a set does not bring the model near it.
@@ -109,14 +108,25 @@ impl Diagnosis {
         let mut verdict = Verdict::Adequate;
         let mut held_out_test = None;
         let missing = missing.filter(|_| !findings.doubted);
+        let known: RefCell<BTreeMap<usize, Option<Tested>>> = RefCell::default();
+        let tested_of = |place: usize| {
+            let test = || held_out::test_with_prediction(&problem, baseline, &state.refits[place], stated);
+            known.borrow_mut().entry(place).or_insert_with(test).clone()
+        };
+        let test_of = |place: usize| tested_of(place).map(|(test, _)| test);
         if finds && !findings.doubted {
             verdict = Verdict::Unexplained;
-            held_out_test = best(&findings.weights)
-                .and_then(|place| held_out::test(&problem, baseline, &state.refits[place], stated));
-            let is_vetoed = |place: usize| {
-                let test = held_out::test(&problem, baseline, &state.refits[place], stated);
-                test.is_some_and(|test| test.veto || stated && is_outdone(&findings, place, &test))
-            };
+            if stated && findings.story.is_none() {
+                for [set, by] in outdone(&findings.weights, tested_of) {
+                    let [rejected, accepted] = [set, by].map(|place| named(&findings, &state.refits[place].effects));
+                    warnings.push(format!(
+                        "the held-out rows reject {rejected} and accept {accepted}, which the fitted rows prefer less; they have taken part in the choice"
+                    ));
+                    findings.weights.leave_out(set);
+                }
+            }
+            held_out_test = best(&findings.weights).and_then(test_of);
+            let is_vetoed = |place: usize| test_of(place).is_some_and(|test| test.veto);
             // A story takes no step that the held-out rows speak against.
             let vetoed = veto(&findings.weights, LEAST_TESTED, |place| findings.story.is_none() && is_vetoed(place));
             findings.weights = vetoed.with.clone();
@@ -129,14 +139,14 @@ impl Diagnosis {
                 let place = best(&vetoed.without).unwrap_or(0);
                 if place > 0 && self.leaves_nothing(&mut findings, place) {
                     findings.weights = vetoed.without;
-                    held_out_test = held_out::test(&problem, baseline, &state.refits[place], stated);
+                    held_out_test = test_of(place);
                 }
             }
             let tested = best(&findings.weights);
             findings.select(self.settings().false_alarm);
             findings.storage_alternatives = findings.storage_alternatives();
             if tested != Some(findings.selected) {
-                held_out_test = held_out::test(&problem, baseline, &state.refits[findings.selected], stated);
+                held_out_test = test_of(findings.selected);
             }
             findings.model_errors = findings.model_errors(self.finds_beside(&findings, held_out_test.as_ref(), stated));
             if !state.is_misspecified() {
@@ -228,13 +238,15 @@ impl Diagnosis {
         output
     }
 
-    /// Where the held-out rows veto a set with its thresholds in the likeliest gaps, and not in others, which the fitted rows leave
+    /// Where the held-out rows reject a set with its thresholds in the likeliest gaps, and not in others, which the fitted rows leave
     /// open, the likeliest of these counts.
     fn moved(&self, state: &State, problem: &Problem, stated: bool) -> State {
         let mut moved = state.clone();
         let weights = posterior_odds(problem, &state.refits, None);
-        let is_vetoed =
-            |refit: &Refit| held_out::test(problem, &state.refits[0], refit, stated).is_some_and(|test| test.veto);
+        let is_vetoed = |refit: &Refit| {
+            let test = held_out::test(problem, &state.refits[0], refit, stated);
+            test.is_some_and(|test| test.veto || stated && held_out::is_rejected(&test))
+        };
         for (refit, weight) in moved.refits.iter_mut().zip(&weights.sets).skip(1) {
             if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_vetoed(refit) {
                 continue;
@@ -300,19 +312,32 @@ impl Diagnosis {
     }
 }
 
-/// Whether the held-out rows, which reject a set, are predicted by another one, by more than the fitted rows prefer the set.
-fn is_outdone(findings: &Findings<'_>, place: usize, test: &HeldOutTest) -> bool {
-    if !held_out::is_rejected(test) {
-        return false;
+/// What the held-out rows say of a set, and what it predicts of them.
+type Tested = (HeldOutTest, Option<Predicted>);
+
+/// Sets that the held-out rows reject, each with another one that they accept and with which it is less probable; the most probable
+/// first. Both are probable by the fitted rows alone.
+fn outdone(weights: &SetProbabilities, tested_of: impl Fn(usize) -> Option<Tested>) -> Vec<[usize; 2]> {
+    let test_of = |place: usize| tested_of(place).and_then(|(test, predicted)| Some((test.veto, predicted?)));
+    let mut weights = weights.clone();
+    let count = weights.sets.len();
+    let mut asked = vec![false; count];
+    let mut found = Vec::new();
+    loop {
+        let mut probable: Vec<usize> = (1..count).filter(|&place| weights.sets[place] >= LEAST_TESTED).collect();
+        probable.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
+        let Some(&place) = probable.iter().find(|&&place| !asked[place]) else { return found };
+        asked[place] = true;
+        let Some((_, own)) = test_of(place).filter(|(_, own)| own.is_rejected()) else { continue };
+        let is_better = |&other: &usize| {
+            let log_odds = ln(weights.sets[place] / weights.sets[other]);
+            other != place && test_of(other).is_some_and(|(veto, other)| !veto && own.is_outdone_by(&other, log_odds))
+        };
+        if let Some(other) = probable.into_iter().find(is_better) {
+            found.push([place, other]);
+            weights.leave_out(place);
+        }
     }
-    let (refits, weights) = (&findings.state.refits, &findings.weights.sets);
-    let mut others: Vec<usize> = (1..refits.len()).filter(|&other| other != place && weights[other] > 0.0).collect();
-    others.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
-    others.into_iter().take(MOST_OTHERS).any(|other| {
-        let log_odds = ln(weights[place] / weights[other]);
-        let of_other = held_out::test(findings.problem, &refits[0], &refits[other], true);
-        of_other.is_some_and(|of_other| held_out::is_outdone(test, &of_other, log_odds))
-    })
 }
 
 fn named(findings: &Findings<'_>, effects: &[usize]) -> String {

@@ -217,7 +217,7 @@ pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
             }
             (Likeness::LumpedNodes(size_k), _) => {
                 return format!(
-                    " Errors of {} K, such as lumped nodes have where temperatures vary as here, would explain as much: half of the probability is given to them.",
+                    " Errors of {} K, such as lumped nodes have where temperatures vary as here, make a third of what it explains or more: half of the probability is given to them.",
                     short(size_k, 1)
                 );
             }

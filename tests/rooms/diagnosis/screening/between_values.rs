@@ -8,8 +8,8 @@ use bmv::random::StreamKey;
 use bmv::twin::{case, dated};
 use std::sync::Arc;
 
-/// Dates are tried 24 minutes apart in a record of 6 hours. The parameters take up all but some of the rows about the jump of a
-/// sensor: half as far off as that it explains less than many other effects do.
+/// All effects are tried at dates 24 minutes apart, in 6 hours of rows to fit. The parameters take up what the jump of a sensor does,
+/// but for the rows near it: ten minutes off, it explains less than many other effects do.
 #[test]
 fn a_jump_that_the_parameters_nearly_take_up_leads_with_its_date() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
