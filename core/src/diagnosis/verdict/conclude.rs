@@ -7,7 +7,7 @@ use crate::diagnosis::heat;
 use crate::diagnosis::heat::sources::NoHeat;
 use crate::diagnosis::noise::overstated;
 use crate::diagnosis::odds::posterior_odds::{
-    RIVALS_WITHIN, STANDS, SetProbabilities, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
+    RIVALS_WITHIN, STANDS, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
 };
 use crate::diagnosis::output::{HeldOutTest, Output, Verdict};
 use crate::diagnosis::story::Story;
@@ -117,7 +117,7 @@ impl Diagnosis {
         if finds && !findings.doubted {
             verdict = Verdict::Unexplained;
             if stated && findings.story.is_none() {
-                for [set, by] in outdone(&findings.weights, tested_of) {
+                for [set, by] in self.outdone(&mut findings, tested_of) {
                     let [rejected, accepted] = [set, by].map(|place| named(&findings, &state.refits[place].effects));
                     warnings.push(format!(
                         "the held-out rows reject {rejected} and accept {accepted}, which the fitted rows prefer less; they have taken part in the choice"
@@ -290,6 +290,36 @@ impl Diagnosis {
         p > self.settings().false_alarm
     }
 
+    /// Sets that the held-out rows reject but do not veto, each with another one that they accept, beside which tests find nothing,
+    /// and with which it is less probable; the most probable first. Both are probable by the fitted rows alone.
+    fn outdone(&self, findings: &mut Findings<'_>, tested_of: impl Fn(usize) -> Option<Tested>) -> Vec<[usize; 2]> {
+        let test_of = |place: usize| {
+            let (test, predicted) = tested_of(place)?;
+            predicted.filter(|_| !test.veto)
+        };
+        let mut weights = findings.weights.clone();
+        let count = weights.sets.len();
+        let mut asked = vec![false; count];
+        let mut found = Vec::new();
+        loop {
+            let mut probable: Vec<usize> = (1..count).filter(|&place| weights.sets[place] >= LEAST_TESTED).collect();
+            probable.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
+            let Some(&place) = probable.iter().find(|&&place| !asked[place]) else { return found };
+            asked[place] = true;
+            let Some(own) = test_of(place).filter(Predicted::is_rejected) else { continue };
+            let is_better = |&other: &usize| {
+                let log_odds = ln(weights.sets[place] / weights.sets[other]);
+                other != place
+                    && test_of(other).is_some_and(|other| own.is_outdone_by(&other, log_odds))
+                    && self.leaves_nothing(findings, other)
+            };
+            if let Some(other) = probable.into_iter().find(is_better) {
+                found.push([place, other]);
+                weights.leave_out(place);
+            }
+        }
+    }
+
     /// Whether tests find something beside the selected set, or it predicts held-out rows worse than the stated noise allows; not
     /// where a model error is allowed for, which both would be.
     fn finds_beside(&self, findings: &Findings<'_>, held_out: Option<&HeldOutTest>, stated: bool) -> bool {
@@ -314,31 +344,6 @@ impl Diagnosis {
 
 /// What the held-out rows say of a set, and what it predicts of them.
 type Tested = (HeldOutTest, Option<Predicted>);
-
-/// Sets that the held-out rows reject, each with another one that they accept and with which it is less probable; the most probable
-/// first. Both are probable by the fitted rows alone.
-fn outdone(weights: &SetProbabilities, tested_of: impl Fn(usize) -> Option<Tested>) -> Vec<[usize; 2]> {
-    let test_of = |place: usize| tested_of(place).and_then(|(test, predicted)| Some((test.veto, predicted?)));
-    let mut weights = weights.clone();
-    let count = weights.sets.len();
-    let mut asked = vec![false; count];
-    let mut found = Vec::new();
-    loop {
-        let mut probable: Vec<usize> = (1..count).filter(|&place| weights.sets[place] >= LEAST_TESTED).collect();
-        probable.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
-        let Some(&place) = probable.iter().find(|&&place| !asked[place]) else { return found };
-        asked[place] = true;
-        let Some((_, own)) = test_of(place).filter(|(_, own)| own.is_rejected()) else { continue };
-        let is_better = |&other: &usize| {
-            let log_odds = ln(weights.sets[place] / weights.sets[other]);
-            other != place && test_of(other).is_some_and(|(veto, other)| !veto && own.is_outdone_by(&other, log_odds))
-        };
-        if let Some(other) = probable.into_iter().find(is_better) {
-            found.push([place, other]);
-            weights.leave_out(place);
-        }
-    }
-}
 
 fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
     let ids: Vec<&str> = effects.iter().map(|&effect| findings.id(effect)).collect();
