@@ -104,8 +104,8 @@ impl Predicted {
         self.p() < FAR
     }
 
-    /// Whether the readings reject the set, but not another one, which is more probable with what they say of both; `log_odds` are
-    /// those of this set against the other one without these readings. A set may leave rows undecided: then there is no comparison.
+    /// Whether the readings reject the set and accept another one, which is more probable with what they say of both. `log_odds` are
+    /// those of this set against the other one without these readings. There is no comparison where one set leaves rows undecided.
     pub fn is_outdone_by(&self, other: &Self, log_odds: f64) -> bool {
         let falls = 0.5 * (self.square + self.log_volume - other.square - other.log_volume);
         self.is_rejected() && other.p() >= AGAINST && other.readings == self.readings && falls > log_odds
@@ -128,8 +128,9 @@ pub fn is_bad(p: Option<f64>, judged: bool, [before, after]: [f64; 2]) -> bool {
     p.is_some_and(|p| p < FAR) && (judged || after > FAR_WORSE * before)
 }
 
-/// What a set predicts of the held-out rows. With `r` the whitened errors, `F` the slopes of the whitened predictions, `M` the information of the fit:
-/// `r' (I + F M^-1 F')^-1 r = r' r - r' F (M + F' F)^-1 F' r` (Woodbury), and `|I + F M^-1 F'| = |M + F' F| / |M|`.
+/// What a set predicts of the held-out rows. With `r` the whitened errors, `F` the slopes of the whitened predictions, `M` the
+/// information of the fit: `r' (I + F M^-1 F')^-1 r = r' r - r' F (M + F' F)^-1 F' r` (Woodbury), and
+/// `|I + F M^-1 F'| = |M + F' F| / |M|`.
 ///
 /// Parameters that press against a bound count as free: what little they can move is more than nothing.
 fn predicted(problem: &Problem, chosen: &Refit, left_out: &BTreeSet<(usize, usize)>) -> Option<Predicted> {
