@@ -9,7 +9,7 @@ use bmv::twin::{case, dated};
 use std::sync::Arc;
 
 /// All effects are tried at dates 24 minutes apart, in 6 hours of rows to fit. The parameters take up what the jump of a sensor does,
-/// but for the rows near it: ten minutes off, it explains less than many other effects do.
+/// but for the rows near it: twelve minutes off, it explains less than many other effects do.
 #[test]
 fn a_jump_that_the_parameters_nearly_take_up_leads_with_its_date() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
