@@ -77,11 +77,6 @@ pub(crate) fn test_with_prediction(
     Some((test, judged))
 }
 
-/// Whether the size of the errors alone speaks against a set.
-pub(crate) fn is_rejected(test: &HeldOutTest) -> bool {
-    test.p.is_some_and(|p| p < FAR)
-}
-
 /// What a set predicts of held-out readings, with noise and parameters as uncertain as they are after the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted {
@@ -99,7 +94,7 @@ impl Predicted {
         chi_square_sf(self.square, self.readings as f64)
     }
 
-    /// Whether the readings reject the set.
+    /// Whether the readings reject the set by the size of its errors alone.
     pub fn is_rejected(&self) -> bool {
         self.p() < FAR
     }

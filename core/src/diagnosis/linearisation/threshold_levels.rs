@@ -31,14 +31,14 @@ pub(crate) fn thresholds(
     effect: &Effect,
     parameter: &EffectParameter,
 ) -> Option<Vec<f64>> {
-    let Some(levels) = all_levels(problem, candidate, effect, parameter) else {
-        let Compared::Nodes(_) = compared(candidate, effect, parameter)? else { return None };
-        let count = if all_steady(problem) { MOST } else { MOST_OF_COURSE };
-        return Some(evenly(span(problem)?, count));
-    };
-    if let Some(count) = count_of_course(problem, candidate, effect, parameter, &levels) {
-        return Some(evenly([levels[0], levels[levels.len() - 1]], count));
+    let levels = all_levels(problem, candidate, effect, parameter);
+    if let Some((ends, count)) = course(problem, candidate, effect, parameter, levels.as_deref()) {
+        return Some(evenly(ends, count));
     }
+    let Some(levels) = levels else {
+        let Compared::Nodes(_) = compared(candidate, effect, parameter)? else { return None };
+        return Some(evenly(span(problem)?, MOST));
+    };
     let middles: Vec<f64> = levels.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
     let count = middles.len().min(MOST);
     let chosen = (0..count).map(|k| middles[(2 * k + 1) * middles.len() / (2 * count)]);
@@ -53,29 +53,29 @@ pub(crate) fn spacing_over_course(
     effect: &Effect,
     parameter: &EffectParameter,
 ) -> Option<f64> {
-    let ([least, most], count) = match all_levels(problem, candidate, effect, parameter) {
-        Some(levels) => {
-            let count = count_of_course(problem, candidate, effect, parameter, &levels)?;
-            ([levels[0], levels[levels.len() - 1]], count)
-        }
-        None => {
-            let Compared::Nodes(_) = compared(candidate, effect, parameter)? else { return None };
-            (span(problem).filter(|_| !all_steady(problem))?, MOST_OF_COURSE)
-        }
-    };
+    let levels = all_levels(problem, candidate, effect, parameter);
+    let ([least, most], count) = course(problem, candidate, effect, parameter, levels.as_deref())?;
     Some((most - least) / count as f64)
 }
 
-/// How many values are tried of what varies continuously. `None` where there are fewer gaps between levels, or no transients.
-fn count_of_course(
+/// Between what the values of such a parameter are evenly spread, and how many they are. `None` without transients, and where the
+/// data have few levels.
+fn course(
     problem: &Problem,
     candidate: &Candidate,
     effect: &Effect,
     parameter: &EffectParameter,
-    levels: &[f64],
-) -> Option<usize> {
+    levels: Option<&[f64]>,
+) -> Option<([f64; 2], usize)> {
+    if all_steady(problem) {
+        return None;
+    }
+    let Some(levels) = levels else {
+        let Compared::Nodes(_) = compared(candidate, effect, parameter)? else { return None };
+        return Some((span(problem)?, MOST_OF_COURSE));
+    };
     let most = if is_time(problem, candidate, effect, parameter) { MOST_TIMES } else { MOST_OF_COURSE };
-    (!all_steady(problem) && levels.len() > most + 1).then_some(most)
+    (levels.len() > most + 1).then(|| ([levels[0], levels[levels.len() - 1]], most))
 }
 
 fn evenly([least, most]: [f64; 2], count: usize) -> Vec<f64> {

@@ -243,12 +243,14 @@ impl Diagnosis {
     fn moved(&self, state: &State, problem: &Problem, stated: bool) -> State {
         let mut moved = state.clone();
         let weights = posterior_odds(problem, &state.refits, None);
-        let is_vetoed = |refit: &Refit| {
-            let test = held_out::test(problem, &state.refits[0], refit, stated);
-            test.is_some_and(|test| test.veto || stated && held_out::is_rejected(&test))
+        let is_refused = |refit: &Refit| {
+            let tested = held_out::test_with_prediction(problem, &state.refits[0], refit, stated);
+            tested.is_some_and(|(test, predicted)| {
+                test.veto || stated && predicted.is_some_and(|predicted| predicted.is_rejected())
+            })
         };
         for (refit, weight) in moved.refits.iter_mut().zip(&weights.sets).skip(1) {
-            if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_vetoed(refit) {
+            if *weight < LEAST_TESTED || !problem.has_thresholds(&refit.effects) || !is_refused(refit) {
                 continue;
             }
             let begin = Begin {
@@ -268,7 +270,7 @@ impl Diagnosis {
                 }
             };
             let highest = all.iter().map(|one| one.log_evidence).fold(f64::NEG_INFINITY, f64::max);
-            let is_open = |other: &Refit| other.log_evidence + ln(RIVALS_WITHIN) >= highest && !is_vetoed(other);
+            let is_open = |other: &Refit| other.log_evidence + ln(RIVALS_WITHIN) >= highest && !is_refused(other);
             let better = |a: Refit, b: Refit| if b.log_evidence > a.log_evidence { b } else { a };
             let Some(other) = all.into_iter().filter(is_open).reduce(better) else { continue };
             let ids: Vec<&str> = refit.effects.iter().map(|&effect| problem.candidates[effect].id.as_str()).collect();

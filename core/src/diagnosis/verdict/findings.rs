@@ -102,8 +102,13 @@ impl Findings<'_> {
     /// Probability that errors of the model are what an effect explains.
     pub(super) fn model_error(&self, effect: usize) -> f64 {
         let of = |probabilities: &BTreeMap<usize, f64>| probabilities.get(&effect).copied().unwrap_or(0.0);
-        let is_refused = self.story.as_ref().is_some_and(|story| story.refused.contains(&effect));
-        of(&self.model_errors).max(of(&self.lumped_nodes)).max(if is_refused { IS_MODEL_ERROR } else { 0.0 })
+        let refused = if self.is_refused(effect) { IS_MODEL_ERROR } else { 0.0 };
+        of(&self.model_errors).max(of(&self.lumped_nodes)).max(refused)
+    }
+
+    /// Whether the held-out rows refuse an effect as a step.
+    pub(super) fn is_refused(&self, effect: usize) -> bool {
+        self.story.as_ref().is_some_and(|story| story.refused.contains(&effect))
     }
 
     /// Whether an effect is so small that errors of the model may well be what it explains.

@@ -43,10 +43,9 @@ impl Findings<'_> {
 
     /// Whether lumped nodes may well be what an effect explains, and nothing else says that it may be none.
     pub(super) fn is_lumped_nodes_alone(&self, effect: usize) -> bool {
-        let is_refused = self.story.as_ref().is_some_and(|story| story.refused.contains(&effect));
         self.lumped_nodes.get(&effect).is_some_and(|own| *own >= IS_MODEL_ERROR)
             && !self.is_small(effect)
-            && !is_refused
+            && !self.is_refused(effect)
     }
 
     /// Sum of squares, in those of the noise, that lumped nodes make in the fitted readings of thermometers.
