@@ -88,7 +88,7 @@ impl PlanVerb {
             let unused = influence::unused(&pass.pass);
             if !unused.is_empty() {
                 let names = listed(unused, NAMED);
-                tell(&format!("{}: no sensor reading depends on {names} in this model", pass.shown));
+                tell(&format!("note: {}: no sensor reading depends on {names} in this model", pass.shown));
             }
         }
         memory::check(&lines)?;

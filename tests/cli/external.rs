@@ -339,7 +339,7 @@ fn a_served_network_is_a_model_of_another_pass() {
     const CHOICES: &str = r#", "phases": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "learn": ["eps"], "nuisance": [],
         "estimator": "nested", "outer": 256, "inner": 4}},
       "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 4}},
-      "goal": {"goal": {"samples": 1024}}"#;
+      "goal": {"goal": {"parameters": ["eps"], "samples": 1024}}"#;
     let network = study(NODES, &format!("{JOBS}{CALIBRATION}{CHOICES}"));
     let server = Server::start(network.path(), "0");
     let served = |url: &str| {
@@ -380,7 +380,7 @@ fn a_served_network_is_a_model_of_another_pass() {
 
 #[test]
 fn derivatives_that_a_server_offers_are_used_where_the_study_says_so() {
-    const FIT: &str = r#""fit": {"calibrate": {"parameters": ["eps"], "sampler": "nuts", "chains": 2, "warmup": 100, "draws": 100}},
+    const FIT: &str = r#""fit": {"calibrate": {"parameters": ["eps"], "sampler": "nuts", "chains": 2, "warmup": 50, "draws": 50}},
       "linear": {"design": {"conditions": {"Q": [5, 20]}, "sensors": ["plate"], "estimator": "linear", "outer": 256, "inner": 4}},
       "effects": {"sensitivity": {"methods": ["local", "derivative"], "samples": 16}}"#;
     let network = study(NODES, FIT);
@@ -404,7 +404,7 @@ fn derivatives_that_a_server_offers_are_used_where_the_study_says_so() {
         document["parameters"]["eps"][field].as_f64().unwrap_or_else(|| panic!("{document}"))
     };
     let sd = of(&a, "sd");
-    // Two hundred draws each: the error of a mean is below a tenth of the standard deviation, of which three are allowed.
+    // A hundred draws each: the error of a mean is some 0.14 standard deviations, of a difference 0.2, of which two are allowed.
     assert!((of(&a, "map") - of(&b, "map")).abs() < 1e-6 * sd, "{} {}", of(&a, "map"), of(&b, "map"));
     assert!((of(&a, "mean") - of(&b, "mean")).abs() < 0.4 * sd, "{} {}", of(&a, "mean"), of(&b, "mean"));
     // Differences with stated steps do for trajectories too.

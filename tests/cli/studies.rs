@@ -123,7 +123,7 @@ fn plan_names_inputs_that_the_model_does_not_use() {
     assert!(!said(MODEL).contains("no sensor reading depends"), "all are used");
     let with_fan = MODEL.replace(r#""inputs": {"#, r#""inputs": {"fan": {"unit": "1", "nominal": 0}, "#);
     let unused = said(&with_fan);
-    assert!(unused.contains("plate/pass-1.json: no sensor reading depends on `fan` in this model\n"), "{unused}");
+    assert!(unused.contains("note: plate/pass-1.json: no sensor reading depends on `fan` in this model\n"), "{unused}");
 }
 
 #[test]

@@ -202,7 +202,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        51
+        52
     }
 
     fn identity(&self) -> Value {

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use crate::document::counted;
 use crate::document::suggest::listed;
-use crate::job::compare::{Deviation, HeatBalance, KELVIN, Kind, Output, SensorSummary};
+use crate::job::compare::{Deviation, HeatBalance, KELVIN, Kind, Output, SensorSummary, Trend};
 use crate::measurement::Rows;
 use crate::report::number::{
     NONE, Shown, as_given, fixed, percent, signed, significant, stated, typeset, with_error, with_unit,
@@ -346,29 +346,40 @@ fn phases(output: &Output) -> Option<Block> {
     })
 }
 
+/// Trends shown at most.
+const SHOWN_TRENDS: usize = 12;
+
 fn trends(output: &Output) -> Option<Block> {
     if output.trends.is_empty() {
         return None;
     }
-    let rows = output
-        .trends
-        .iter()
-        .take(12)
+    let shown = || output.trends.iter().take(SHOWN_TRENDS);
+    let unit_of = |t: &Trend| {
+        let mut sensors = output.sensors.iter();
+        sensors
+            .find(|own| own.measurement == t.measurement && own.sensor == t.sensor)
+            .map_or_else(|| KELVIN.to_owned(), |own| typeset(&own.unit))
+    };
+    let is_all_kelvin = shown().all(|t| unit_of(t) == KELVIN);
+    // One unit of time for all rows, as slow changes are stated.
+    let in_time = shown().filter(|t| t.unit == "s").map(|t| t.slope.abs()).fold(0.0, f64::max);
+    let (times_in_time, in_time) = stated("K/s", in_time);
+    let in_time = in_time.trim_start_matches(KELVIN);
+    let rows = shown()
         .map(|t| {
-            // In time as slow changes are stated; a slope in something else is as it is.
+            let own = unit_of(t);
             let (times, unit) = match t.unit.as_str() {
-                "s" => {
-                    let (times, unit) = stated("K/s", t.slope.abs().max(t.slope_error));
-                    (times, unit.trim_start_matches("K/").to_owned())
-                }
-                other => (1.0, typeset(other)),
+                "s" => (times_in_time, format!("{own}{in_time}")),
+                "1" | "" => (1.0, own.clone()),
+                other => (1.0, format!("{own} per {}", typeset(other))),
             };
+            let change = signed(t.change, decimals(&own));
             let is_clear = t.slope_error > 0.0 && t.slope.abs() > 3.0 * t.slope_error;
             vec![
                 Cell::code(&t.measurement),
                 Cell::code(&t.sensor),
                 Cell::code(&t.against),
-                signed(t.change, 2).into(),
+                if is_all_kelvin { change.into() } else { with_unit(&change, &own).into() },
                 with_error(times * t.slope, times * t.slope_error).into(),
                 unit.into(),
                 Cell { text: fixed(t.correlation, 2).into(), status: is_clear.then_some(Status::Caution) },
@@ -382,9 +393,9 @@ fn trends(output: &Output) -> Option<Block> {
         columns: vec![
             Column::text("Sensor"),
             Column::text("Against"),
-            Column::number("Change over its range", "K"),
-            Column::number("Slope, SI per unit", ""),
-            Column::text("Unit"),
+            Column::number("Change over its range", if is_all_kelvin { KELVIN } else { "" }),
+            Column::number("Slope", ""),
+            Column::text("Unit of the slope"),
             Column::number("Correlation", ""),
         ],
         rows,
@@ -423,8 +434,12 @@ fn heat(output: &Output) -> Option<Block> {
             row
         })
         .collect();
-    let table =
-        by_measurement(Table { caption: "Heat balance of the model.".into(), columns, rows }, has_several(output));
+    let is_any_negative = output.heat.iter().flat_map(|h| &h.into_boundaries_w).any(|(_, w)| *w <= -LEAST_HEAT_W);
+    let caption = match is_any_negative {
+        true => "Heat balance of the model. Negative heat into a boundary comes from it.",
+        false => "Heat balance of the model.",
+    };
+    let table = by_measurement(Table { caption: caption.into(), columns, rows }, has_several(output));
     Some(if output.heat.len() > 12 {
         Block::Details(format!("Heat balance ({} phases)", output.heat.len()), vec![table])
     } else {

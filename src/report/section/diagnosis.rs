@@ -8,6 +8,7 @@ mod words;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Amount, DiscriminatingExperiment, EffectResult, Output, RmseChange};
+use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::document::{counted, p_stated, p_value};
 use crate::job::diagnose::Kind;
 use crate::measurement::Sensor;
@@ -61,7 +62,7 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
 
 fn change(values: [Option<f64>; 2]) -> String {
     match values {
-        [Some(before), Some(after)] => format!("{} \u{2192} {}", fixed(before, 2), fixed(after, 2)),
+        [Some(before), Some(after)] => kelvins_before_and_after([before, after]).join(" \u{2192} "),
         _ => NONE.to_owned(),
     }
 }

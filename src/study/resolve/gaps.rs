@@ -38,7 +38,8 @@ pub(super) fn doubts(scope: &mut Scope, measurement: &mut Measurement, place: &P
         measurement.name,
         named.join(", ")
     );
-    let help = "state \"max_gap\", with \"initial\": {\"measured\": {}}: each part then begins anew; or ignore the rows after the gap that still show it, with the reason";
+    let help = "where that is how it was, leave it; else \"max_gap\", with \"initial\": {\"measured\": {}}, lets each part begin anew, or \
+                `ignore` leaves out the rows after the gap in which its effect still shows, with the reason";
     let doubt = Diagnostic::warning(&code::GAP, place, message).help(help);
     measurement.doubts.push(Doubt::from(&doubt));
     scope.doubts.push(doubt);

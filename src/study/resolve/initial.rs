@@ -421,8 +421,8 @@ pub fn compare(
     }
     let message =
         format!("the first readings of `{measurement}` lie apart from its start temperatures: {}", named.join(", "));
-    let help = "\"initial\": {\"measured\": {}} starts at the first readings; a start temperature may also be fitted, with a \
-                `prior`";
+    let help = "a sensor that is off looks the same: leave the start as it is where that may be; \"initial\": {\"measured\": {}} starts \
+                at the first readings; a start temperature may also be fitted, with a `prior`";
     scope.doubts.push(Diagnostic::warning(&code::START_APART, place, message).help(help));
 }
 

@@ -18,6 +18,7 @@ use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::{collinear, few_readings, still, trend, words};
 use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
+use crate::document::suggest::listed;
 use crate::math::functions::ln;
 use crate::math::special::chi_square_sf;
 use crate::measurement::Doubt;
@@ -26,6 +27,10 @@ use std::collections::BTreeMap;
 
 /// Probability of a set below which the held-out rows are not asked.
 const LEAST_TESTED: f64 = 1e-3;
+/// Sets named at most that gave way to another one.
+const NAMED: usize = 2;
+/// Sets at most whose remainders are screened as they might stand in another's place.
+const MOST_SCREENED: usize = 20;
 /// p-value of the remaining sum of squares below which a set does not bring the model near the noise.
 const FAR_FROM_NOISE: f64 = 1e-3;
 /// Reduced chi-square, beside the model error that is allowed for, above which a set does not bring the model near it.
@@ -117,11 +122,9 @@ impl Diagnosis {
         if finds && !findings.doubted {
             verdict = Verdict::Unexplained;
             if stated && findings.story.is_none() {
-                for [set, by] in self.outdone(&mut findings, tested_of) {
-                    let [rejected, accepted] = [set, by].map(|place| named(&findings, &state.refits[place].effects));
-                    warnings.push(format!(
-                        "the held-out rows reject {rejected} and accept {accepted}, which the fitted rows prefer less; they have taken part in the choice"
-                    ));
+                let outdone = self.outdone(&mut findings, tested_of);
+                warnings.extend(gave_way(&findings, &outdone));
+                for [set, _] in outdone {
                     findings.weights.leave_out(set);
                 }
             }
@@ -293,7 +296,8 @@ impl Diagnosis {
     }
 
     /// Sets that the held-out rows reject but do not veto, each with another one that they accept, beside which tests find nothing,
-    /// and with which it is less probable; the most probable first. Both are probable by the fitted rows alone.
+    /// and with which it is less probable; the most probable first. Both are probable by the fitted rows alone. What at most
+    /// [`MOST_SCREENED`] sets leave is screened for it.
     fn outdone(&self, findings: &mut Findings<'_>, tested_of: impl Fn(usize) -> Option<Tested>) -> Vec<[usize; 2]> {
         let test_of = |place: usize| {
             let (test, predicted) = tested_of(place)?;
@@ -303,6 +307,7 @@ impl Diagnosis {
         let count = weights.sets.len();
         let mut asked = vec![false; count];
         let mut found = Vec::new();
+        let most = findings.late.len() + MOST_SCREENED;
         loop {
             let mut probable: Vec<usize> = (1..count).filter(|&place| weights.sets[place] >= LEAST_TESTED).collect();
             probable.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
@@ -313,6 +318,7 @@ impl Diagnosis {
                 let log_odds = ln(weights.sets[place] / weights.sets[other]);
                 other != place
                     && test_of(other).is_some_and(|other| own.is_outdone_by(&other, log_odds))
+                    && (findings.late.len() < most || findings.remaining(other).is_some())
                     && self.leaves_nothing(findings, other)
             };
             if let Some(other) = probable.into_iter().find(is_better) {
@@ -346,6 +352,27 @@ impl Diagnosis {
 
 /// What the held-out rows say of a set, and what it predicts of them.
 type Tested = (HeldOutTest, Option<Predicted>);
+
+/// What is said of sets that the held-out rows reject and of those to which they give way: one sentence for each of the latter.
+fn gave_way(findings: &Findings<'_>, outdone: &[[usize; 2]]) -> Vec<String> {
+    let named = |place: usize| named(findings, &findings.state.refits[place].effects);
+    let mut accepted: Vec<usize> = Vec::new();
+    for &[_, by] in outdone {
+        if !accepted.contains(&by) {
+            accepted.push(by);
+        }
+    }
+    let said = |by: usize| {
+        let rejected: Vec<String> =
+            outdone.iter().filter(|[_, other]| *other == by).map(|&[set, _]| named(set)).collect();
+        format!(
+            "the held-out rows accept `{}` and reject {}, which the fitted rows prefer; they have taken part in the choice",
+            named(by),
+            listed(rejected.iter().map(String::as_str), NAMED)
+        )
+    };
+    accepted.into_iter().map(said).collect()
+}
 
 fn named(findings: &Findings<'_>, effects: &[usize]) -> String {
     let ids: Vec<&str> = effects.iter().map(|&effect| findings.id(effect)).collect();

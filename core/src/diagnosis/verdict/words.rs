@@ -12,7 +12,7 @@ use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyo
 use crate::diagnosis::verdict::far_from_priors;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::lumped_nodes::lumped_k;
-use crate::diagnosis::verdict::numbers::{joined, kelvins, short, stated_amount, with_error};
+use crate::diagnosis::verdict::numbers::{joined, kelvins, kelvins_before_and_after, short, stated_amount, with_error};
 use crate::diagnosis::verdict::one_kind::one_kind;
 use crate::diagnosis::verdict::precedence;
 use crate::diagnosis::verdict::small_effects::is_curve_of_few_phases;
@@ -75,7 +75,8 @@ fn too_far(findings: &Findings<'_>) -> Option<String> {
 }
 
 fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
-    Some(format!("{} to {} K", kelvins(before?), kelvins(after?)))
+    let [before, after] = kelvins_before_and_after([before?, after?]);
+    Some(format!("{before} to {after} K"))
 }
 
 /// What a step does to the errors, after a comma.

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output, StoryStep};
+use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
@@ -182,7 +183,7 @@ fn held(output: &Output) -> f64 {
 /// An error before and after something, and whether it fell.
 fn change(before: Option<f64>, after: Option<f64>) -> Option<(String, bool)> {
     let (before, after) = (before?, after?);
-    Some((with_unit(&format!("{} \u{2192} {}", fixed(before, 2), fixed(after, 2)), "K"), after < before))
+    Some((with_unit(&kelvins_before_and_after([before, after]).join(" \u{2192} "), "K"), after < before))
 }
 
 /// What each effect does to the error, where they are added one by one; what remains stands with the last one.

@@ -12,3 +12,12 @@ fn sizes_are_read_with_their_errors() {
     assert_eq!(with_error(f64::NAN, 1.0), "NaN ± 1.0");
     assert_eq!(short(-0.0, 2), "0");
 }
+
+#[test]
+fn errors_that_fall_by_little_are_told_apart() {
+    let shown = |before: f64, after: f64| kelvins_before_and_after([before, after]).join(" ");
+    assert_eq!(shown(9.73, 0.409), "9.73 0.41");
+    assert_eq!(shown(0.0649, 0.0551), "0.065 0.055");
+    assert_eq!(shown(0.1502, 0.1469), "0.150 0.147");
+    assert_eq!(shown(0.15, 0.15), "0.15 0.15");
+}
