@@ -14,6 +14,7 @@ use crate::batch::next_pass::{
 };
 use crate::batch::{self, Loaded, LoadedPass};
 use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::diagnosis::{Output, RISES};
 use crate::document::suggest;
 use crate::document::visible::shell_word;
@@ -141,10 +142,8 @@ fn described(pass: &LoadedPass, path: &Path, next: &NextPass<'_>, (diagnosis, ac
     }
     let chosen: Vec<_> = next.adopted.iter().map(|(_, finding)| *finding).collect();
     for (id, [before, after]) in chosen.iter().filter_map(|finding| Some((&finding.id, worse(finding)?))) {
-        let id = escaped(id);
-        text.push_str(&format!(
-            "with {id} the error on the held-out readings rises from {before:.2} to {after:.2} K\n"
-        ));
+        let (id, [before, after]) = (escaped(id), kelvins_before_and_after([before, after]));
+        text.push_str(&format!("with {id} the error on the held-out readings rises from {before} to {after} K\n"));
     }
     if !next.extended.is_empty() {
         let jobs = suggest::listed(next.extended.iter().map(String::as_str), 12);

@@ -38,7 +38,7 @@ pub(super) struct Diagnose {
 /// What to do next: what is doubtful about the data goes first, then what `bmv adopt` (here with its pass) would take.
 pub fn next(output: &Output, adopt: &str) -> Option<String> {
     if output.doubts.iter().any(Doubt::is_of_start) {
-        return Some("next: mend the start, then bmv diagnose again".to_owned());
+        return Some("next: check the start, then bmv diagnose again".to_owned());
     }
     if output.selected.is_empty() {
         return None;

@@ -94,18 +94,22 @@ fn a_wrong_start_is_named_before_the_verdict() {
     let root = study(json!({"transient": {"file": "data/test.csv", "initial": initial, "sensors": sensor()}}), &data);
     let said = printed(root.path(), &["diagnose", "box/pass-1.json"]).replace('\n', " ");
     let before =
-        said.find("Correct this before relying on the result: the first readings of test lie apart").expect(&said);
+        said.find("Check this before relying on the result: the first readings of test lie apart").expect(&said);
     assert!(before < said.find("Verdict: ").expect("a verdict"), "{said}");
     assert!(said.contains(r#"Repair: "initial": {"measured": {}}"#) && said.contains("with a prior"), "{said}");
     let output = bmv(root.path(), &["diagnose", "box/pass-1.json"]);
-    assert!(text(&output.stderr).contains("next: mend the start, then bmv diagnose again"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("next: check the start, then bmv diagnose again"),
+        "{}",
+        text(&output.stderr)
+    );
 
     let said = printed(root.path(), &["run", "box"]);
     let lines: Vec<&str> = said.lines().collect();
     for job in ["  missing: ", "  tuned: "] {
         let at = lines.iter().position(|line| line.starts_with(job)).unwrap_or_else(|| panic!("{job} in {said}"));
-        assert!(lines[at..(at + 4).min(lines.len())].iter().any(|line| line.contains("Correct this before")), "{said}");
+        assert!(lines[at..(at + 4).min(lines.len())].iter().any(|line| line.contains("Check this before")), "{said}");
     }
     let adopted = bmv(root.path(), &["adopt", "box/pass-1.json", "heat-load:box", "--force"]);
-    assert!(text(&adopted.stderr).contains("warning: Correct this before"), "{}", text(&adopted.stderr));
+    assert!(text(&adopted.stderr).contains("warning: Check this before"), "{}", text(&adopted.stderr));
 }

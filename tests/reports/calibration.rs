@@ -221,10 +221,14 @@ fn slopes_in_time_have_the_unit_of_slow_changes() {
         "slope_error": 3.4e-9, "correlation": -0.35, "change": -0.37});
     let is_one = sample.results.iter_mut().any(|job| {
         edit::<bmv::job::compare::Kind>(job, |output| {
-            output.trends = vec![serde_json::from_value(trend.clone()).expect("a trend")];
+            let mut of_power = trend.clone();
+            of_power["against"] = json!("P");
+            of_power["unit"] = json!("W");
+            output.trends = [&trend, &of_power].map(|own| serde_json::from_value(own.clone()).expect("a trend")).into();
         })
     });
     assert!(is_one, "a comparison");
     let markdown = rendered(&sample).markdown;
-    assert!(markdown.contains("`time` | \u{2212}0.37 | \u{2212}0.19 \u{b1} 0.11 | yr |"), "{markdown}");
+    assert!(markdown.contains("`time` | \u{2212}0.37 | \u{2212}0.19 \u{b1} 0.11 | K/yr |"), "{markdown}");
+    assert!(markdown.contains("| K/W |"), "the slope's own unit: {markdown}");
 }

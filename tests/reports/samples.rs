@@ -561,7 +561,7 @@ pub fn transient() -> Sample {
         measurement: "step test".into(),
         sensor: "T1".into(),
         against: "P".into(),
-        unit: "K/W".into(),
+        unit: "W".into(),
         slope: 0.62,
         slope_error: 0.05,
         correlation: 0.91,

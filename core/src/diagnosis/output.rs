@@ -532,7 +532,7 @@ pub struct Output {
     /// That chains behind a prior did not converge; `None` where none did so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub converged: Option<bool>,
-    /// What is doubtful about the data, a start apart from its first readings first: to be mended before the verdict is
+    /// What is doubtful about the data, a start apart from its first readings first: to be checked before the verdict is
     /// believed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<Doubt>,

@@ -234,10 +234,10 @@ impl Doubt {
         self.code == code::START_APART.name
     }
 
-    /// What to correct before relying on a result, and how.
+    /// What to check before relying on a result, and how it is mended.
     pub fn in_words(&self) -> String {
         let repair = self.repair.as_ref().map_or_else(String::new, |repair| format!(" Repair: {repair}."));
-        format!("Correct this before relying on the result: {}.{repair}", self.message)
+        format!("Check this before relying on the result: {}.{repair}", self.message)
     }
 }
 

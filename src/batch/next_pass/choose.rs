@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, OneThing};
+use crate::diagnosis::verdict::experiment_words::repeated;
 use crate::diagnosis::{Output, Verdict};
 use crate::document::visible::shell_word;
 use crate::document::{Diagnostic, Diagnostics, Place, Source, Span, code, percent, suggest};
@@ -354,11 +355,12 @@ fn experiment(experiment: &DiscriminatingExperiment, model: &Model) -> Option<St
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         format!("{name} = {}{unit}", value(number))
     });
+    let again = repeated(experiment.repeat_probability);
     Some(format!(
-        "a phase at {} would tell them apart with probability {} (repeating a phase: {})",
+        "a phase at {} would tell them apart with probability {}{}",
         conditions.collect::<Vec<_>>().join(", "),
         percent(experiment.probability),
-        percent(experiment.repeat_probability)
+        again.map_or_else(String::new, |p| format!(" (repeating a phase: {})", percent(p)))
     ))
 }
 

@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 
 use crate::diagnosis::output::{Amount, EffectResult, RmseChange};
+use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::diagnosis::{Output, wider};
 use crate::document::prior::support;
 use crate::document::{Sense, suggest};
@@ -429,7 +430,10 @@ fn to_digits(value: f64, digits: usize) -> f64 {
 /// `; RMSE 0.71 K -> 0.26 K, on held-out readings 0.83 K -> 0.27 K`, as far as it is known.
 fn rmse_text(rmse: &RmseChange) -> String {
     let pair = |pair: [Option<f64>; 2]| match pair {
-        [Some(before), Some(after)] => Some(format!("{before:.2} K -> {after:.2} K")),
+        [Some(before), Some(after)] => {
+            let [before, after] = kelvins_before_and_after([before, after]);
+            Some(format!("{before} K -> {after} K"))
+        }
         _ => None,
     };
     match (pair(rmse.train), pair(rmse.held_out)) {

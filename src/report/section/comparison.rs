@@ -346,6 +346,8 @@ fn phases(output: &Output) -> Option<Block> {
     })
 }
 
+/// What a trend in time is against.
+const TIME: &str = "time";
 /// Trends shown at most.
 const SHOWN_TRENDS: usize = 12;
 
@@ -361,17 +363,27 @@ fn trends(output: &Output) -> Option<Block> {
             .map_or_else(|| KELVIN.to_owned(), |own| typeset(&own.unit))
     };
     let is_all_kelvin = shown().all(|t| unit_of(t) == KELVIN);
-    // One unit of time for all rows, as slow changes are stated.
-    let in_time = shown().filter(|t| t.unit == "s").map(|t| t.slope.abs()).fold(0.0, f64::max);
-    let (times_in_time, in_time) = stated("K/s", in_time);
-    let in_time = in_time.trim_start_matches(KELVIN);
+    // One unit of time for all rows of a unit, as slow changes are stated.
+    let in_time = |own: &str| {
+        let slopes = shown().filter(|t| t.against == TIME && unit_of(t) == own).map(|t| t.slope.abs());
+        let (times, unit) = stated("K/s", slopes.fold(0.0, f64::max));
+        (times, unit.trim_start_matches(KELVIN).to_owned())
+    };
     let rows = shown()
         .map(|t| {
             let own = unit_of(t);
             let (times, unit) = match t.unit.as_str() {
-                "s" => (times_in_time, format!("{own}{in_time}")),
+                _ if t.against == TIME => {
+                    let (times, per_time) = in_time(&own);
+                    (times, format!("{}{per_time}", if own.is_empty() { "1" } else { &own }))
+                }
                 "1" | "" => (1.0, own.clone()),
-                other => (1.0, format!("{own} per {}", typeset(other))),
+                other => {
+                    let own = if own.is_empty() { "1" } else { &own };
+                    // A quotient in a denominator would be read twice.
+                    let over = if other.contains(['/', ' ']) { " per " } else { "/" };
+                    (1.0, format!("{own}{over}{}", typeset(other)))
+                }
             };
             let change = signed(t.change, decimals(&own));
             let is_clear = t.slope_error > 0.0 && t.slope.abs() > 3.0 * t.slope_error;
@@ -436,7 +448,7 @@ fn heat(output: &Output) -> Option<Block> {
         .collect();
     let is_any_negative = output.heat.iter().flat_map(|h| &h.into_boundaries_w).any(|(_, w)| *w <= -LEAST_HEAT_W);
     let caption = match is_any_negative {
-        true => "Heat balance of the model. Negative heat into a boundary comes from it.",
+        true => "Heat balance of the model. A negative value means that heat flows out of the boundary.",
         false => "Heat balance of the model.",
     };
     let table = by_measurement(Table { caption: caption.into(), columns, rows }, has_several(output));

@@ -8,6 +8,8 @@ mod words;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Amount, DiscriminatingExperiment, EffectResult, Output, RmseChange};
+use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
+use crate::diagnosis::verdict::experiment_words::repeated;
 use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::document::{counted, p_stated, p_value};
 use crate::job::diagnose::Kind;
@@ -62,12 +64,14 @@ pub(super) fn build(report: &PassReport<'_>) -> Option<Section> {
 
 fn change(values: [Option<f64>; 2]) -> String {
     match values {
-        [Some(before), Some(after)] => kelvins_before_and_after([before, after]).join(" \u{2192} "),
+        [Some(before), Some(after)] if before.is_finite() && after.is_finite() => {
+            kelvins_before_and_after([before, after]).join(" \u{2192} ")
+        }
         _ => NONE.to_owned(),
     }
 }
 
-/// What must be mended before the verdict is believed.
+/// What must be checked before the verdict is believed.
 fn before_the_verdict(output: &Output) -> impl Iterator<Item = Block> {
     output.before_the_verdict().into_iter().map(|line| Block::callout(Tone::Warning, Text::with_names(&line)))
 }
@@ -255,7 +259,7 @@ fn effects(output: &Output) -> Option<Block> {
 }
 
 fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {
-    let experiment = output.discriminating_experiment.as_ref()?;
+    let experiment = output.discriminating_experiment.as_ref().filter(|own| is_worth_a_test(own.probability))?;
     let shown = |name: &str, unit: &str| {
         let input = report.model.inputs.iter().find(|input| input.name == name);
         input.map_or_else(|| Shown::quantity(unit, unit == "K"), |input| Shown::written(&input.unit))
@@ -283,12 +287,13 @@ fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {
     let limits = if experiment.limits_ok { "" } else { " The red limits of a node are passed there." };
     let beyond = extrapolation(report, experiment).unwrap_or_default();
     let several = if experiment.predictions.is_empty() { "" } else { " Readings in the order of the rivals." };
+    let again = repeated(experiment.repeat_probability);
+    let again = again.map_or_else(String::new, |p| format!("; repeating the best old phase: {}", chance(p)));
     Some(Block::Table(Table {
         caption: format!(
-            "A phase that would tell {} apart, with probability {}; repeating the best old phase: {}.{several}{limits}{beyond}",
+            "A phase that would tell {} apart, with probability {}{again}.{several}{limits}{beyond}",
             experiment.between.join(" | "),
             chance(experiment.probability),
-            chance(experiment.repeat_probability)
         )
         .into(),
         columns: vec![Column::text(""), Column::text("Input or sensor"), Column::text("Value")],

@@ -38,7 +38,7 @@ pub(super) fn doubts(scope: &mut Scope, measurement: &mut Measurement, place: &P
         measurement.name,
         named.join(", ")
     );
-    let help = "where that is how it was, leave it; else \"max_gap\", with \"initial\": {\"measured\": {}}, lets each part begin anew, or \
+    let help = "if the inputs really did that, change nothing; otherwise \"max_gap\", with \"initial\": {\"measured\": {}}, lets each part begin anew, or \
                 `ignore` leaves out the rows after the gap in which its effect still shows, with the reason";
     let doubt = Diagnostic::warning(&code::GAP, place, message).help(help);
     measurement.doubts.push(Doubt::from(&doubt));

@@ -421,8 +421,8 @@ pub fn compare(
     }
     let message =
         format!("the first readings of `{measurement}` lie apart from its start temperatures: {}", named.join(", "));
-    let help = "a sensor that is off looks the same: leave the start as it is where that may be; \"initial\": {\"measured\": {}} starts \
-                at the first readings; a start temperature may also be fitted, with a `prior`";
+    let help = "\"initial\": {\"measured\": {}} starts at the first readings, or a start temperature is fitted, with a `prior`; a sensor \
+                that is off looks the same, and then the start stays as it is";
     scope.doubts.push(Diagnostic::warning(&code::START_APART, place, message).help(help));
 }
 

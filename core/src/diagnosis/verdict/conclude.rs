@@ -307,19 +307,23 @@ impl Diagnosis {
         let count = weights.sets.len();
         let mut asked = vec![false; count];
         let mut found = Vec::new();
-        let most = findings.late.len() + MOST_SCREENED;
+        let mut screened = 0;
         loop {
             let mut probable: Vec<usize> = (1..count).filter(|&place| weights.sets[place] >= LEAST_TESTED).collect();
             probable.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
             let Some(&place) = probable.iter().find(|&&place| !asked[place]) else { return found };
             asked[place] = true;
             let Some(own) = test_of(place).filter(Predicted::is_rejected) else { continue };
+            let mut is_left_nothing = |other: usize| {
+                let is_known = findings.remaining(other).is_some();
+                screened += usize::from(!is_known);
+                (is_known || screened <= MOST_SCREENED) && self.leaves_nothing(findings, other)
+            };
             let is_better = |&other: &usize| {
                 let log_odds = ln(weights.sets[place] / weights.sets[other]);
                 other != place
                     && test_of(other).is_some_and(|other| own.is_outdone_by(&other, log_odds))
-                    && (findings.late.len() < most || findings.remaining(other).is_some())
-                    && self.leaves_nothing(findings, other)
+                    && is_left_nothing(other)
             };
             if let Some(other) = probable.into_iter().find(is_better) {
                 found.push([place, other]);
@@ -366,7 +370,7 @@ fn gave_way(findings: &Findings<'_>, outdone: &[[usize; 2]]) -> Vec<String> {
         let rejected: Vec<String> =
             outdone.iter().filter(|[_, other]| *other == by).map(|&[set, _]| named(set)).collect();
         format!(
-            "the held-out rows accept `{}` and reject {}, which the fitted rows prefer; they have taken part in the choice",
+            "the held-out rows accept `{}` and reject {}; the held-out rows took part in the choice",
             named(by),
             listed(rejected.iter().map(String::as_str), NAMED)
         )

@@ -274,10 +274,12 @@ pub fn carried(effect: &EffectResult) -> String {
         (least, most) if least == most => format!("{least} {unit}"),
         (least, most) => format!("{least} to {most} {unit}"),
     };
+    let is_over_time = effect.carries.iter().any(|own| own.phase.is_none());
+    let means = if is_over_time { " (means over twelfths of each transient)" } else { "" };
     if effect.amplitudes.contains_key(FIRST_KNOT) {
         // A curve's level trades for whatever else is constant there.
         let swing = short((most - least) / size, 2);
-        return format!(", heat that varies by {swing} {unit} into {node} ({})", range(least, most));
+        return format!(", heat that varies by {swing} {unit} into {node} ({}){means}", range(least, most));
     }
     // Every node of a group has its share.
     let [nor_from, nor_to] = match effect.where_kind == GROUP {
@@ -285,9 +287,9 @@ pub fn carried(effect: &EffectResult) -> String {
         false => [""; 2],
     };
     if most <= 0.0 {
-        return format!(", which takes {} from {node}{nor_from}", range(-most, -least));
+        return format!(", which takes {} from {node}{nor_from}{means}", range(-most, -least));
     }
-    format!(", which gives {node} {}{nor_to}", range(least, most))
+    format!(", which gives {node} {}{nor_to}{means}", range(least, most))
 }
 
 /// Where the parts that an effect adds start, where that was inferred.

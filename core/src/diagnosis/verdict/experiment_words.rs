@@ -11,6 +11,9 @@ use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::thermal::Model;
 
+/// Probability from which a repeated phase tells more than guessing.
+const LEAST_OF_REPEATED: f64 = 0.505;
+
 impl OnlyInTransients {
     /// That no steady phase can part the sets, and the step that does, in sentences.
     pub fn in_words(&self, model: &Model) -> String {
@@ -30,7 +33,7 @@ impl OnlyInTransients {
     pub fn clause(&self, model: &Model) -> String {
         let none = format!(
             "no steady phase can tell {} apart: they differ in what stores heat, which shows while temperatures change",
-            joined(&self.between)
+            sets_apart(&self.between)
         );
         let Some(step) = &self.step else {
             return format!("{none}; a step of an input would, but none that can be set has a range");
@@ -87,11 +90,53 @@ impl OneThing {
     /// The same, to follow a semicolon.
     pub fn clause(&self) -> String {
         format!(
-            "no steady phase within the stated ranges reliably tells {} apart: the best one does so with probability {}, a repeated one with {}, guessing with 50 %",
-            joined(&self.sets),
+            "no steady phase within the stated ranges reliably tells {} apart: the best one does so with probability {}, {}guessing with 50 %",
+            sets_apart(&self.sets),
             percent(self.probability),
-            percent(self.repeat_probability)
+            repeated(self.repeat_probability)
+                .map_or_else(String::new, |p| format!("a repeated one with {}, ", percent(p)))
         )
+    }
+}
+
+impl DiscriminatingExperiment {
+    /// What the phase would tell, in a sentence.
+    pub(super) fn in_words(&self) -> String {
+        let (sets, probability) = (sets_apart(&self.between), percent(self.probability));
+        if !is_worth_a_test(self.probability) {
+            return format!(
+                "No steady phase within the stated ranges is worth a test by itself: the best one would tell {sets} apart with probability {probability}, while guessing does so with 50 %."
+            );
+        }
+        let again = repeated(self.repeat_probability);
+        format!(
+            "A steady phase at the conditions stated below would tell {sets} apart with probability {probability}{}.",
+            again.map_or_else(String::new, |p| format!("; repeating the best old phase with {}", percent(p)))
+        )
+    }
+}
+
+/// The probability of a repeated phase, where it is more than guessing: there may be no steady phase at all.
+pub fn repeated(probability: f64) -> Option<f64> {
+    Some(probability).filter(|probability| *probability >= LEAST_OF_REPEATED)
+}
+
+/// The sets of a list, with what all of them have named once, where each has something else too.
+pub fn sets_apart(sets: &[String]) -> String {
+    let parts: Vec<Vec<&str>> = sets.iter().map(|set| set.split(" + ").collect()).collect();
+    let [first, others @ ..] = parts.as_slice() else { return String::new() };
+    let common: Vec<&str> = first.iter().copied().filter(|part| others.iter().all(|set| set.contains(part))).collect();
+    if common.is_empty() {
+        return joined(sets);
+    }
+    let rest = |set: &Vec<&str>| {
+        let own: Vec<&str> = set.iter().copied().filter(|part| !common.contains(part)).collect();
+        own.join(" + ")
+    };
+    let rests: Vec<String> = parts.iter().map(rest).collect();
+    match rests.iter().any(String::is_empty) {
+        true => joined(sets),
+        false => format!("{} (each beside {})", joined(&rests), common.join(" + ")),
     }
 }
 

@@ -77,12 +77,15 @@ pub(super) fn kelvins(value: f64) -> String {
     if value < 0.095 { short(value, 2) } else { format!("{value:.2}") }
 }
 
-/// Two errors of which the second follows the first, K: with one digit more where they would look the same.
+/// Decimals at most of errors that differ by little.
+const MOST_DECIMALS: usize = 6;
+
+/// Two errors of which the second follows the first, K: with so many decimals that they differ, up to six.
 pub fn kelvins_before_and_after(errors: [f64; 2]) -> [String; 2] {
     let short = errors.map(kelvins);
     if short[0] != short[1] || errors[0] == errors[1] {
         return short;
     }
-    let digits = short[0].split_once('.').map_or(0, |(_, digits)| digits.len());
-    errors.map(|value| format!("{value:.*}", digits + 1))
+    let longer = (3..=MOST_DECIMALS).map(|decimals| errors.map(|value| format!("{value:.decimals$}")));
+    longer.into_iter().find(|pair| pair[0] != pair[1]).unwrap_or(short)
 }

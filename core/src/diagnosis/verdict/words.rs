@@ -1,7 +1,7 @@
 //! The verdict in sentences.
 
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum, may_be_vacuum};
-use crate::diagnosis::output::{EffectResult, OneThing, Output, RISES, StoryStep, Verdict};
+use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::{falls, rises};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
@@ -103,7 +103,7 @@ pub fn ends(step: &StoryStep, against: Option<Against>) -> Option<String> {
     if let (Some(next), Some(against)) = (step.alternatives.first(), against) {
         return Some(match against {
             Against::Unseen => format!(
-                "No further step is taken: {next} would be more probable than nothing on the fitted rows, but the unseen rows are not predicted better with it."
+                "No further step is taken: {next} would be more probable than nothing on the fitted rows, but the unseen rows are not predicted clearly better with it."
             ),
             Against::Fitted => format!(
                 "No further step is taken: {next} would predict the unseen rows better, but the fitted rows speak against it."
@@ -168,23 +168,57 @@ fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
         Some(_) => " Held-out rows take part in the choice of the steps.",
         None => "",
     };
-    let [sd, noise, counts_as] = [worst.0, worst.1, worst.2].map(|size| short(size, 2));
+    let [sd, counts_as] = [worst.0, worst.2].map(|size| short(size, 2));
+    let noises = |other: fn(f64, f64) -> f64| of.iter().map(|own| own.1).reduce(other).map(|size| short(size, 2));
+    let noise = match (noises(f64::min)?, noises(f64::max)?) {
+        (least, most) if least == most => format!("{least} K"),
+        (least, most) => format!("{least} to {most} K"),
+    };
     let left = chosen.rmse_train_k.map(|rmse| (rmse * rmse - worst.1 * worst.1).max(0.0).sqrt());
     let alike = format!(
         "Since such errors are nearly the same in many successive readings, one reading has only the weight of an independent one with an error of {counts_as} K: that is a weight, not the noise of an instrument.{part}"
     );
     Some(match left.filter(|left| *left < CLEARLY_LESS * worst.0) {
         Some(left) if left < HIDDEN * worst.1 => format!(
-            "Each step was weighed with the model error beside the most probable one or two effects, {sd} K; beside all that is found none remains that the instruments' noise of {noise} K would not hide. {alike}"
+            "Each step was weighed with the model error beside the most probable one or two effects, {sd} K; beside all that is found none remains that an instrument's noise of {} K would not hide. {alike}",
+            short(worst.1, 2)
         ),
         Some(left) => format!(
-            "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise} K. Each step was weighed with the model error beside the most probable one or two effects, {sd} K. {alike}",
+            "The model is a little wrong everywhere: beside all that is found, a model error of {} K (standard deviation) remains, while the instruments' noise is {noise}. Each step was weighed with the model error beside the most probable one or two effects, {sd} K. {alike}",
             short(left, 2)
         ),
         None => format!(
-            "The model is a little wrong everywhere: beside what is found, a model error of {sd} K (standard deviation) remains, while the instruments' noise is {noise} K. {alike}"
+            "The model is a little wrong everywhere: beside the most probable one or two effects, a model error of {sd} K (standard deviation) remains, while the instruments' noise is {noise}. {alike}"
         ),
     })
+}
+
+/// Probability of all sets of the steps' effects and their rivals below which a more probable set is named.
+const LITTLE_IN_STEPS: f64 = 0.1;
+
+/// The most probable of all sets that were fitted, where steps that add one effect at a time lead elsewhere.
+fn more_probable(findings: &Findings<'_>) -> Option<String> {
+    let weights = &findings.weights.sets;
+    let is_of_steps = |place: usize| {
+        let of_a_step = |effect: &usize| findings.groups.iter().any(|group| group.contains(effect));
+        findings.state.refits[place].effects.iter().all(of_a_step)
+    };
+    let best = (1..weights.len()).reduce(|a, b| if weights[b] > weights[a] { b } else { a })?;
+    let of_steps: f64 = (1..weights.len()).filter(|&place| is_of_steps(place)).map(|place| weights[place]).sum();
+    if findings.groups.is_empty() || is_of_steps(best) || of_steps > LITTLE_IN_STEPS.min(weights[best]) {
+        return None;
+    }
+    let refit = &findings.state.refits[best];
+    let ids: Vec<&str> = refit.effects.iter().map(|&effect| findings.id(effect)).collect();
+    let error = |rmse: Option<f64>, rows: &str| rmse.map(|rmse| format!("{} K on the {rows} rows", kelvins(rmse)));
+    let errors: Vec<String> =
+        [error(refit.rmse_train_k, "fitted"), error(refit.rmse_held_out_k, "held-out")].into_iter().flatten().collect();
+    Some(format!(
+        "Steps add one effect at a time. Another of the sets that were fitted is more probable than all that they lead to: {} ({}), with an RMSE of {}.",
+        ids.join(" + "),
+        percent(weights[best]),
+        errors.join(", ")
+    ))
 }
 
 /// Probability from which an effect counts among those that may be missing.
@@ -242,12 +276,6 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     if findings.shown_by_held_out && !output.selected.is_empty() {
         words.push(
             "The held-out rows show that something is missing: they are predicted far better with what follows."
-                .to_owned(),
-        );
-    }
-    if !findings.state.noise.is_empty() {
-        words.push(
-            "A calibration, `bmv compare` and `bmv history` take the noise as the pass states it or infer it beside the model as it is: their chi-square and RMSE are others."
                 .to_owned(),
         );
     }
@@ -418,6 +446,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 .collect();
             words.push(format!("These data cannot tell apart (group {}): {}.", number + 1, ids.join(", ")));
         }
+        words.extend(findings.story.as_ref().and_then(|_| more_probable(findings)));
         if findings.fewest_parameters {
             words.push(format!(
                 "Tests still find something beside all of these ({}), so that the odds between them are too sure: the set with the fewest parameters is named first.",
@@ -427,17 +456,18 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         words.extend(of_gas(&output.effects, findings.problem));
         words.extend(output.one_thing.as_ref().map(OneThing::in_words));
         words.extend(output.only_in_transients.as_ref().map(|own| own.in_words(&findings.problem.model)));
-        if let Some(experiment) = &output.discriminating_experiment {
-            words.push(format!(
-                "A steady phase at the conditions stated below would tell {} apart with probability {}; repeating the best old phase with {}.{}",
-                joined(&experiment.between),
-                percent(experiment.probability),
-                percent(experiment.repeat_probability),
-                if is_worth_a_test(experiment.probability) { "" } else { " Guessing does so with 50 %: it is not worth a test by itself." }
-            ));
+        let experiment = output.discriminating_experiment.as_ref();
+        words.extend(experiment.map(DiscriminatingExperiment::in_words));
+        if let Some(experiment) = experiment.filter(|own| is_worth_a_test(own.probability)) {
             words.extend(beyond_what_was_set(experiment, findings.problem));
             words.extend(beyond_what_was_measured(experiment, findings.problem));
         }
+    }
+    if !findings.state.noise.is_empty() {
+        words.push(
+            "A calibration, `bmv compare` and `bmv history` take the noise as the pass states it or infer it beside the model as it is: their chi-square and RMSE differ from those stated here."
+                .to_owned(),
+        );
     }
     words
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectResult, Heat, HeldOutTest, Output, StoryStep};
+use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
@@ -279,8 +280,13 @@ fn what_else(output: &Output, selected: &[&EffectResult], model: &Model) -> Opti
     let names: Vec<String> = rivals.iter().map(|rival| rival.id.clone()).collect();
     let mut text = listed(Text::new("These data cannot tell it from "), &names, MOST_RIVALS).plain(".");
     if let Some(experiment) = &output.discriminating_experiment {
-        text = text
-            .plain(format!(" The phase proposed below would, with probability {}.", chance(experiment.probability)));
+        let probability = chance(experiment.probability);
+        text = text.plain(match is_worth_a_test(experiment.probability) {
+            true => format!(" The phase proposed below would, with probability {probability}."),
+            false => format!(
+                " The best steady phase within the stated ranges would with probability {probability}, guessing with 50\u{A0}%."
+            ),
+        });
     } else if let Some(one) = &output.one_thing {
         text = text.plain(" ").plain(one.in_words());
     }

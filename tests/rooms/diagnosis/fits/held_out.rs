@@ -65,4 +65,5 @@ fn the_held_out_rows_tell_a_sensor_that_jumped_from_a_step_with_an_input() {
         output.warnings.iter().filter(|warning| warning.starts_with("the held-out rows accept ")).collect();
     assert_eq!(gave_way.len(), 1, "{:?}", output.warnings);
     assert!(gave_way[0].contains(" reject `conductance-step:battery to stack:S_z"), "{gave_way:?}");
+    assert!(gave_way[0].contains("` and `conductance-step:"), "two sets gave way: {gave_way:?}");
 }

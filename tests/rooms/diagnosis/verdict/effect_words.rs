@@ -51,12 +51,16 @@ fn the_value_that_is_adopted_stands_beside_a_mean_that_lies_elsewhere() {
 /// In a group's law the node is one of several.
 #[test]
 fn heats_are_stated_in_watts_kilowatts_or_megawatts_and_of_a_group_by_its_largest_share() {
-    let of = |watts: [f64; 2], where_kind: &str| {
+    let at = |phase: Option<&str>, watts: [f64; 2], where_kind: &str| {
         let (node, measurement) = ("tank".to_owned(), "day".to_owned());
-        let carries = vec![EffectHeat { node, measurement, phase: None, time_s: Some(0.0), watts: watts[0] }];
+        let time_s = phase.is_none().then_some(0.0);
+        let carries = vec![EffectHeat { node, measurement, phase: phase.map(str::to_owned), time_s, watts: watts[0] }];
         carried(&EffectResult { watts: Some(watts), carries, where_kind: where_kind.to_owned(), ..effect(0.03) })
     };
+    let of = |watts: [f64; 2], where_kind: &str| at(Some("P1"), watts, where_kind);
     assert_eq!(of([0.19, 0.49], "node"), ", which gives tank 0.19 to 0.49 W");
+    let over_time = at(None, [0.19, 0.49], "node");
+    assert_eq!(over_time, ", which gives tank 0.19 to 0.49 W (means over twelfths of each transient)");
     assert_eq!(of([-140_244.0, -99_969.0], "node"), ", which takes 100 to 140 kW from tank");
     assert_eq!(of([1.2e6, 2.4e6], "node"), ", which gives tank 1.2 to 2.4 MW");
     assert_eq!(of([0.87, 0.87], "group"), ", which gives tank 0.87 W and no other node more");

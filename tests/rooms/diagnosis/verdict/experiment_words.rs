@@ -26,3 +26,14 @@ fn a_phase_beyond_what_was_set_is_said_with_what_keeps_it_out() {
     assert!(beyond.contains(&format!("`{}` at ", input.name)) && beyond.contains("so far"), "{beyond}");
     assert!(beyond.contains("a narrower `range` of that input"), "{beyond}");
 }
+
+#[test]
+fn what_all_sets_have_is_named_once() {
+    let said = |sets: &[&str]| sets_apart(&sets.iter().map(|set| (*set).to_owned()).collect::<Vec<_>>());
+    assert_eq!(said(&["a", "b"]), "a and b");
+    assert_eq!(said(&["a + c", "b + c", "c + d + e"]), "a, b and d + e (each beside c)");
+    assert_eq!(said(&["a", "a + b"]), "a and a + b", "what one has alone is not left out of it");
+    assert_eq!(said(&["a + b", "b + c", "c + a"]), "a + b, b + c and c + a");
+    assert_eq!(repeated(0.5), None, "no better than guessing");
+    assert_eq!(repeated(0.6), Some(0.6));
+}

@@ -20,4 +20,6 @@ fn errors_that_fall_by_little_are_told_apart() {
     assert_eq!(shown(0.0649, 0.0551), "0.065 0.055");
     assert_eq!(shown(0.1502, 0.1469), "0.150 0.147");
     assert_eq!(shown(0.15, 0.15), "0.15 0.15");
+    assert_eq!(shown(0.150_23, 0.150_11), "0.1502 0.1501");
+    assert_eq!(shown(1.21e-5, 1.23e-5), "1.2e-5 1.2e-5");
 }
