@@ -448,7 +448,7 @@ fn heat(output: &Output) -> Option<Block> {
         .collect();
     let is_any_negative = output.heat.iter().flat_map(|h| &h.into_boundaries_w).any(|(_, w)| *w <= -LEAST_HEAT_W);
     let caption = match is_any_negative {
-        true => "Heat balance of the model. A negative value means that heat flows out of the boundary.",
+        true => "Heat balance of the model. Where heat into a boundary is negative, it flows out of it.",
         false => "Heat balance of the model.",
     };
     let table = by_measurement(Table { caption: caption.into(), columns, rows }, has_several(output));
