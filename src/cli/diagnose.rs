@@ -37,14 +37,22 @@ pub(super) struct Diagnose {
 
 /// What to do next: what is doubtful about the data goes first, then what `bmv adopt` (here with its pass) would take.
 pub fn next(output: &Output, adopt: &str) -> Option<String> {
-    if output.doubts.iter().any(Doubt::is_of_start) {
-        return Some("next: check the start, then bmv diagnose again".to_owned());
+    let adoption = adoption(output, adopt);
+    if !output.doubts.iter().any(Doubt::is_of_start) {
+        return adoption.map(|adoption| format!("next: {adoption}"));
     }
+    let check = "next: check the start, then bmv diagnose again";
+    // A sensor that is off looks the same as a start that is.
+    Some(adoption.map_or_else(|| check.to_owned(), |adoption| format!("{check}; if the start is right, {adoption}")))
+}
+
+/// What of the result `bmv adopt` (here with its pass) would take, to follow `next: `.
+fn adoption(output: &Output, adopt: &str) -> Option<String> {
     if output.selected.is_empty() {
         return None;
     }
     if output.verdict.names_one_set() {
-        return Some(format!("next: {adopt} (what belongs to the test alone: with --test-only)"));
+        return Some(format!("{adopt} (what belongs to the test alone: with --test-only)"));
     }
     // What errors of the model itself explain as well is not proposed, unless there is nothing else.
     let is_strong = |effect: &&EffectResult| !effect.is_weak();
@@ -56,7 +64,7 @@ pub fn next(output: &Output, adopt: &str) -> Option<String> {
     if settled.is_empty() {
         let ids = words(&proposed);
         return Some(format!(
-            "next: these data leave it open; what you choose is adopted by name, as in {adopt} {ids}"
+            "these data leave it open; what you choose is adopted by name, as in {adopt} {ids}"
         ));
     }
     let all: Vec<&EffectResult> = output.selected.iter().filter_map(|id| output.effect(id)).collect();
@@ -68,11 +76,11 @@ pub fn next(output: &Output, adopt: &str) -> Option<String> {
         } else {
             ""
         };
-        return Some(format!("next: {adopt} {settled_ids}{rest}"));
+        return Some(format!("{adopt} {settled_ids}{rest}"));
     }
     let with = words(&all.iter().filter(|effect| is_settled(effect) || !effect.is_weak()).copied().collect::<Vec<_>>());
     Some(format!(
-        "next: {adopt} {settled_ids}; the rest is left open, and adopted by name with it, as in {adopt} {with}"
+        "{adopt} {settled_ids}; the rest is left open, and adopted by name with it, as in {adopt} {with}"
     ))
 }
 

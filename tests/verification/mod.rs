@@ -3,6 +3,7 @@
 pub mod build;
 mod comparison;
 mod dated_diagnosis;
+mod drifting_sink;
 mod derivatives;
 mod design;
 mod disctr;

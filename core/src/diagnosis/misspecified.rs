@@ -393,11 +393,12 @@ impl Diagnosis {
                 let noise = self.instrument(state, like, at, &series(&readings, &refit.errors, like, at));
                 let probe = FittedReading { measurement, row: 0, sensor };
                 let sd = if is_temperature(problem, &probe) { sds[like] } else { 0.0 };
-                let counts_as = match measured.rows {
-                    Rows::Steady(_) => total_sd(noise, sd * STEADY_READINGS_OF_ONE.sqrt()),
-                    Rows::Transient { .. } => total_sd(noise, sd) * instruments[like].readings_of_one.sqrt(),
-                };
-                let model_error = Some(ModelError { sd, counts_as });
+                let in_transient = total_sd(noise, sd) * instruments[like].readings_of_one.sqrt();
+                let error = ModelError { sd, counts_as: in_transient };
+                let model_error = Some(match measured.rows {
+                    Rows::Steady(_) => ModelError { counts_as: error.in_steady_phases(noise), ..error },
+                    Rows::Transient { .. } => error,
+                });
                 all.push(SensorNoise { measurement, sensor, noise: EstimatedNoise::white(noise), model_error });
             }
         }

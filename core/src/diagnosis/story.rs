@@ -223,9 +223,9 @@ pub struct Gain {
 }
 
 impl Gain {
-    /// Whether the fitted rows speak against it.
+    /// Whether the fitted rows speak against it, and what speaks for it does not outweigh that clearly.
     pub fn is_against_fitted(self) -> bool {
-        self.fitted < SPEAKS_AGAINST
+        self.fitted < SPEAKS_AGAINST && self.log_odds <= CLEARLY
     }
 }
 

@@ -46,6 +46,7 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("cooler-degradation", include_str!("catalogue/cooler-degradation.json")),
     ("cooler-contact", include_str!("catalogue/cooler-contact.json")),
     ("sink-offset", include_str!("catalogue/sink-offset.json")),
+    ("sink-drift", include_str!("catalogue/sink-drift.json")),
     ("thermal-mass", include_str!("catalogue/thermal-mass.json")),
     ("latent-heat", include_str!("catalogue/latent-heat.json")),
     ("hidden-node", include_str!("catalogue/hidden-node.json")),

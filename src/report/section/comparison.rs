@@ -139,7 +139,7 @@ fn largest_error(output: &Output) -> Option<String> {
     Some(format!("the largest RMSE is {rmse} (`{}`)", worst.sensor))
 }
 
-/// Says that the model fails nowhere, and of which sensors that says little, as their noise is not stated.
+/// Says that the model fails nowhere, and of which sensors that says little, as their noise is not stated as a value.
 fn nowhere(output: &Output) -> String {
     let is_unjudged = |sensor: &&SensorSummary| sensor.noise_rmse.is_none();
     let (in_kelvin, others): (Vec<&SensorSummary>, Vec<&SensorSummary>) =
@@ -158,7 +158,7 @@ fn nowhere(output: &Output) -> String {
     }];
     if let Some((limit, sensors)) = within {
         sentences.push(format!(
-            "Of {} that means no reading more than {} K from its prediction: their noise is not stated, so that smaller errors are \
+            "Of {} that means no reading more than {} K from its prediction: their noise is not stated as a value, so that smaller errors are \
              not judged here. `bmv diagnose` weighs them.",
             names(&sensors),
             limit
@@ -365,7 +365,7 @@ fn trends(output: &Output) -> Option<Block> {
     let is_all_kelvin = shown().all(|t| unit_of(t) == KELVIN);
     // One unit of time for all rows of a unit, as slow changes are stated.
     let in_time = |own: &str| {
-        let slopes = shown().filter(|t| t.against == TIME && unit_of(t) == own).map(|t| t.slope.abs());
+        let slopes = shown().filter(|t| t.against == TIME && unit_of(t) == own).map(|t| t.slope.abs().max(t.slope_error));
         let (times, unit) = stated("K/s", slopes.fold(0.0, f64::max));
         (times, unit.trim_start_matches(KELVIN).to_owned())
     };

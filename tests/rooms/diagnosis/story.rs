@@ -47,12 +47,13 @@ fn an_effect_pays_where_the_unseen_error_falls_or_its_gain_is_clear() {
 }
 
 /// Held-out rows may choose a further effect where the fitted rows are indifferent, by less than 1 in their log Bayes factor, not
-/// against them; the first effect may be what they show alone.
+/// against them, unless they outweigh them clearly; the first effect may be what they show alone.
 #[test]
 fn a_further_effect_does_not_pay_where_the_fitted_rows_speak_against_it() {
     let by = |fitted: f64| Gain { log_odds: 5.0, fitted, unseen: [Some(1.0), Some(0.7)] };
     assert!(pays_by(by(-0.9), false, Fall) && !pays_by(by(-1.1), false, Fall));
     assert!(!pays_by(by(-1.1), false, FallUnlessClear) && pays_by(by(-1.1), true, Fall));
+    assert!(pays_by(Gain { log_odds: 11.0, ..by(-1.1) }, false, Fall), "ten in log odds outweigh them");
 }
 
 /// Ten times as probable, and the unseen rows speak against it.

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{exp, ln};
+use crate::measurement::total_sd;
 use crate::watch;
 
 /// Model error that is allowed for.
@@ -26,6 +27,13 @@ pub struct ModelError {
     /// Standard deviation of white noise that stands in the likelihood for it and the instrument's noise, SI: larger than
     /// both, since readings are not independent of one another.
     pub counts_as: f64,
+}
+
+impl ModelError {
+    /// Standard deviation of white noise that stands for it and an instrument's noise in steady phases, SI.
+    pub fn in_steady_phases(self, noise: f64) -> f64 {
+        total_sd(noise, self.sd * STEADY_READINGS_OF_ONE.sqrt())
+    }
 }
 
 /// Errors of the fitted readings of one measurement.

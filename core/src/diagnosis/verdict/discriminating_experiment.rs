@@ -131,7 +131,7 @@ fn in_steady_phases(findings: &Findings<'_>, rivals: &[&Rival<'_>]) -> Option<Di
     if settable.is_empty() {
         return None;
     }
-    let template = template(problem)?;
+    let template = template(findings)?;
     let nominal: Vec<f64> = problem.model.inputs.iter().map(|input| input.nominal).collect();
     let judge = |conditions: &[Vec<f64>]| judge(problem, rivals, &template, conditions);
     let first = judge(&spread(&settable, &nominal))?;
@@ -225,15 +225,18 @@ fn greatest(list: &[Judged], rivals: &[usize]) -> Option<Judged> {
 }
 
 /// A steady measurement of one phase with the sensors of the data; in transients as they are in their first.
-fn template(problem: &Problem) -> Option<Measurement> {
-    let steady = problem.measurements.iter().find(|m| matches!(m.rows, Rows::Steady(_)));
-    let mut measurement = steady.or(problem.measurements.first())?.clone();
+fn template(findings: &Findings<'_>) -> Option<Measurement> {
+    let measurements = &findings.problem.measurements;
+    let steady = measurements.iter().position(|m| matches!(m.rows, Rows::Steady(_)));
+    let place = steady.unwrap_or(0);
+    let mut measurement = measurements.get(place)?.clone();
     measurement.rows = Rows::Steady(Vec::new());
     measurement.readings.clear();
-    for sensor in &mut measurement.sensors {
-        // Steady phases know neither lags nor correlation.
-        let part = |value: &Option<crate::measurement::Uncertain>| value.as_ref().map_or(0.0, |v| v.nominal());
-        let total = (part(&sensor.sigma) * part(&sensor.sigma) + part(&sensor.white) * part(&sensor.white)).sqrt();
+    for (number, sensor) in measurement.sensors.iter_mut().enumerate() {
+        // Steady phases know neither lags nor correlation, and a model error counts in them as theirs, not as a transient's.
+        let estimated = findings.state.noise.iter().find(|own| own.measurement == place && own.sensor == number);
+        let wrong = estimated.and_then(|own| Some(own.model_error?.in_steady_phases(own.noise.total())));
+        let total = wrong.unwrap_or_else(|| sensor.total_sd());
         sensor.sigma = Some(crate::measurement::Uncertain::Known(total));
         sensor.lag_s = None;
         sensor.correlation_time_s = None;

@@ -60,9 +60,8 @@ pub(super) fn best(problem: &Problem, rivals: &[&Rival<'_>]) -> Option<Discrimin
             steps(problem, wide).into_iter().filter_map(|step| judge(problem, rivals, template, step, longest_s));
         judged.reduce(better)
     };
-    let is_enough = |one: &Judged| one.is_borne() && is_worth_a_test(distinguishing_probability(one.square));
     let best = match best_of(false) {
-        Some(known) if is_enough(&known) => known,
+        Some(known) if known.is_enough() => known,
         known => known.into_iter().chain(best_of(true)).reduce(better)?,
     };
     let of = |value: f64| setting(&problem.model, best.step.input, value);
@@ -85,6 +84,11 @@ impl Judged {
     /// Whether the hardware surely bears it.
     fn is_borne(&self) -> bool {
         self.within_limits && self.near_tested
+    }
+
+    /// Whether it is that, and worth a test.
+    fn is_enough(&self) -> bool {
+        self.is_borne() && is_worth_a_test(distinguishing_probability(self.square))
     }
 }
 
@@ -115,6 +119,8 @@ fn steps(problem: &Problem, wide: bool) -> Vec<Stepped> {
     inputs.into_iter().flat_map(both).collect()
 }
 
+/// The step, watched for three time constants or, where the hardware may not bear that and less is worth a test, as long as it
+/// surely does.
 fn judge(
     problem: &Problem,
     rivals: &[&Rival<'_>],
@@ -129,35 +135,60 @@ fn judge(
     let parameters = first.full_parameters(&first.at(&stepped(problem, first, template, step, &[0.0, 1.0])?)?)?;
     let predictor = Predictor::new(&first.problem.model, &[]).ok()?;
     let predict = |measurement: &Measurement| predictor.predict(&mut predictor.workspace(), measurement, &parameters);
-    let slowest = slowest(&first.problem.model, &coarse, &predict(&coarse), &looked_at)?;
-    let duration_s = (TIME_CONSTANTS * slowest.1).min(longest_s);
-    let rows = (template.len() as f64 * duration_s / span_s(template)) as usize;
-    let rows = rows.clamp(LEAST_ROWS, MOST_ROWS);
-    let instants: Vec<f64> = (0..rows).map(|row| duration_s * row as f64 / (rows - 1) as f64).collect();
-    let all: Vec<Predicted> = rivals
-        .iter()
-        .map(|rival| rival.at(&stepped(problem, rival, template, step, &instants)?))
-        .collect::<Option<_>>()?;
-    let all_rows: Vec<usize> = (0..all[0].residuals.len()).collect();
-    let mut least = f64::INFINITY;
-    for (rival, own) in rivals.iter().zip(&all).skip(1) {
-        watch::check();
-        least = least.min(square(&all[0], rival, own, &all_rows));
-    }
-    let fine = predict(&stepped(problem, first, template, step, &instants)?);
-    let nodes = problem.model.nodes.len();
-    let of_rival = first.problem.model.nodes.len();
-    let within_limits = fine
-        .temperatures
-        .chunks_exact(of_rival)
-        .all(|row| is_within_limits(&problem.model, &row[..nodes.min(row.len())]));
-    let tested = Tested::of(problem);
-    let is_near = |(place, value): (usize, &f64)| {
-        let sensor = &template.sensors[place % template.sensors.len()];
-        tested.is_near(&problem.model, sensor.quantity, *value)
+    let prediction = predict(&coarse);
+    let slowest = slowest(&first.problem.model, &coarse, &prediction, &looked_at)?;
+    let watched = |duration_s: f64| {
+        let rows = (template.len() as f64 * duration_s / span_s(template)) as usize;
+        let rows = rows.clamp(LEAST_ROWS, MOST_ROWS);
+        let instants: Vec<f64> = (0..rows).map(|row| duration_s * row as f64 / (rows - 1) as f64).collect();
+        let all: Vec<Predicted> = rivals
+            .iter()
+            .map(|rival| rival.at(&stepped(problem, rival, template, step, &instants)?))
+            .collect::<Option<_>>()?;
+        let all_rows: Vec<usize> = (0..all[0].residuals.len()).collect();
+        let mut least = f64::INFINITY;
+        for (rival, own) in rivals.iter().zip(&all).skip(1) {
+            watch::check();
+            least = least.min(square(&all[0], rival, own, &all_rows));
+        }
+        let borne = borne(problem, first, template, &predict(&stepped(problem, first, template, step, &instants)?));
+        let within_limits = borne.iter().all(|row| row.within_limits);
+        let near_tested = borne.iter().all(|row| row.near_tested);
+        least.is_finite().then_some(Judged { step, square: least, within_limits, near_tested, duration_s, slowest })
     };
-    let near_tested = fine.readings.iter().enumerate().all(is_near);
-    least.is_finite().then_some(Judged { step, square: least, within_limits, near_tested, duration_s, slowest })
+    let whole = watched((TIME_CONSTANTS * slowest.1).min(longest_s))?;
+    if whole.is_borne() {
+        return Some(whole);
+    }
+    // Row 0 stands before the step.
+    let rows = borne(problem, first, template, &prediction);
+    let until = rows.iter().take_while(|row| row.within_limits && row.near_tested).count();
+    let borne_s = until.checked_sub(2).and_then(|last| looked_at.get(last)).copied().unwrap_or(0.0);
+    let shorter = (borne_s > 0.0 && borne_s < whole.duration_s).then(|| watched(borne_s)).flatten();
+    Some(shorter.filter(Judged::is_enough).unwrap_or(whole))
+}
+
+/// What of a row the hardware surely bears.
+struct Borne {
+    within_limits: bool,
+    near_tested: bool,
+}
+
+/// Of each row of a prediction by a rival whether the hardware surely bears it.
+fn borne(problem: &Problem, rival: &Rival<'_>, template: &Measurement, prediction: &Prediction) -> Vec<Borne> {
+    let nodes = problem.model.nodes.len();
+    let tested = Tested::of(problem);
+    let is_near =
+        |(sensor, value): (usize, &f64)| tested.is_near(&problem.model, template.sensors[sensor].quantity, *value);
+    let temperatures = prediction.temperatures.chunks_exact(rival.problem.model.nodes.len());
+    let readings = prediction.readings.chunks_exact(template.sensors.len());
+    temperatures
+        .zip(readings)
+        .map(|(temperatures, readings)| Borne {
+            within_limits: is_within_limits(&problem.model, &temperatures[..nodes.min(temperatures.len())]),
+            near_tested: readings.iter().enumerate().all(is_near),
+        })
+        .collect()
 }
 
 /// From the first row of a transient to its last, s.

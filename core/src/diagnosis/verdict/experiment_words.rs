@@ -121,16 +121,28 @@ pub fn repeated(probability: f64) -> Option<f64> {
     Some(probability).filter(|probability| *probability >= LEAST_OF_REPEATED)
 }
 
+/// The ids of a set. Each has a colon, which no name may have: a part without one belongs to a name with ` + ` in it.
+fn ids_of(set: &str) -> Vec<String> {
+    let mut ids: Vec<String> = Vec::new();
+    for part in set.split(" + ") {
+        match ids.last_mut() {
+            Some(last) if !part.contains(':') => last.extend([" + ", part]),
+            _ => ids.push(part.to_owned()),
+        }
+    }
+    ids
+}
+
 /// The sets of a list, with what all of them have named once, where each has something else too.
 pub fn sets_apart(sets: &[String]) -> String {
-    let parts: Vec<Vec<&str>> = sets.iter().map(|set| set.split(" + ").collect()).collect();
+    let parts: Vec<Vec<String>> = sets.iter().map(|set| ids_of(set)).collect();
     let [first, others @ ..] = parts.as_slice() else { return String::new() };
-    let common: Vec<&str> = first.iter().copied().filter(|part| others.iter().all(|set| set.contains(part))).collect();
+    let common: Vec<String> = first.iter().filter(|id| others.iter().all(|set| set.contains(id))).cloned().collect();
     if common.is_empty() {
         return joined(sets);
     }
-    let rest = |set: &Vec<&str>| {
-        let own: Vec<&str> = set.iter().copied().filter(|part| !common.contains(part)).collect();
+    let rest = |set: &Vec<String>| {
+        let own: Vec<String> = set.iter().filter(|id| !common.contains(id)).cloned().collect();
         own.join(" + ")
     };
     let rests: Vec<String> = parts.iter().map(rest).collect();

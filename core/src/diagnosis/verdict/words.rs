@@ -203,11 +203,7 @@ fn more_probable(findings: &Findings<'_>) -> Option<String> {
         let of_a_step = |effect: &usize| findings.groups.iter().any(|group| group.contains(effect));
         findings.state.refits[place].effects.iter().all(of_a_step)
     };
-    let best = (1..weights.len()).reduce(|a, b| if weights[b] > weights[a] { b } else { a })?;
-    let of_steps: f64 = (1..weights.len()).filter(|&place| is_of_steps(place)).map(|place| weights[place]).sum();
-    if findings.groups.is_empty() || is_of_steps(best) || of_steps > LITTLE_IN_STEPS.min(weights[best]) {
-        return None;
-    }
+    let best = off_the_steps(weights, is_of_steps).filter(|_| !findings.groups.is_empty())?;
     let refit = &findings.state.refits[best];
     let ids: Vec<&str> = refit.effects.iter().map(|&effect| findings.id(effect)).collect();
     let error = |rmse: Option<f64>, rows: &str| rmse.map(|rmse| format!("{} K on the {rows} rows", kelvins(rmse)));
@@ -219,6 +215,14 @@ fn more_probable(findings: &Findings<'_>) -> Option<String> {
         percent(weights[best]),
         errors.join(", ")
     ))
+}
+
+/// The place of the most probable set, where it is more probable than all of the steps' sets and they have little. The first is
+/// the baseline model, which no step leads to.
+pub fn off_the_steps(weights: &[f64], is_of_steps: impl Fn(usize) -> bool) -> Option<usize> {
+    let best = (1..weights.len()).reduce(|a, b| if weights[b] > weights[a] { b } else { a })?;
+    let of_steps: f64 = (1..weights.len()).filter(|&place| is_of_steps(place)).map(|place| weights[place]).sum();
+    (!is_of_steps(best) && of_steps <= LITTLE_IN_STEPS.min(weights[best])).then_some(best)
 }
 
 /// Probability from which an effect counts among those that may be missing.
@@ -421,8 +425,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     let pressed = misfit.tests.iter().find(|test| test.name == AT_BOUNDS && test.p <= CLEARLY);
     if let Some(test) = pressed.filter(|_| output.verdict != Verdict::Adequate) {
         words.push(format!(
-            "In the baseline model `{}` is pressed against an end of its prior ({}): is that prior wide enough?",
+            "In the baseline model `{}` is pressed against {} ({}): is that prior wide enough?",
             test.at,
+            far_from_priors::end_of_prior(findings.problem, &findings.state.refits[0], &test.at),
             p_stated(test.p)
         ));
     }

@@ -30,10 +30,15 @@ fn a_phase_beyond_what_was_set_is_said_with_what_keeps_it_out() {
 #[test]
 fn what_all_sets_have_is_named_once() {
     let said = |sets: &[&str]| sets_apart(&sets.iter().map(|set| (*set).to_owned()).collect::<Vec<_>>());
-    assert_eq!(said(&["a", "b"]), "a and b");
-    assert_eq!(said(&["a + c", "b + c", "c + d + e"]), "a, b and d + e (each beside c)");
-    assert_eq!(said(&["a", "a + b"]), "a and a + b", "what one has alone is not left out of it");
-    assert_eq!(said(&["a + b", "b + c", "c + a"]), "a + b, b + c and c + a");
+    assert_eq!(said(&["a:1", "b:1"]), "a:1 and b:1");
+    assert_eq!(said(&["a:1 + c:1", "b:1 + c:1", "c:1 + d:1 + e:1"]), "a:1, b:1 and d:1 + e:1 (each beside c:1)");
+    assert_eq!(said(&["a:1", "a:1 + b:1"]), "a:1 and a:1 + b:1", "what one has alone is not left out of it");
+    assert_eq!(said(&["a:1 + b:1", "b:1 + c:1", "c:1 + a:1"]), "a:1 + b:1, b:1 + c:1 and c:1 + a:1");
+    assert_eq!(
+        said(&["a:plate + foot + c:1", "b:plate + foot + c:1"]),
+        "a:plate + foot and b:plate + foot (each beside c:1)",
+        "a name may hold a plus"
+    );
     assert_eq!(repeated(0.5), None, "no better than guessing");
     assert_eq!(repeated(0.6), Some(0.6));
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bmv::diagnosis::fits::refit::Begin;
-use bmv::diagnosis::verdict::far_from_priors::in_words;
+use bmv::diagnosis::verdict::far_from_priors::{end_of_prior, in_words};
 use bmv::document::Diagnostics;
 use bmv::effect::Catalogue;
 use bmv::random::{Distribution, StreamKey};
@@ -27,4 +27,13 @@ fn a_parameter_far_from_its_prior_is_named_with_its_distance() {
     assert!(words.contains(&format!("leads `{name}` to ")) && words.contains("10 standard deviations"), "{words}");
     problem.priors[index] = Distribution::LogNormal { median: 0.8 * fitted, factor: 1.07 };
     assert_eq!(in_words(&problem, &refit), None, "ln 1.25 / ln 1.07 = 3.3 standard deviations");
+
+    let unit = problem.model.parameters[index].unit.clone();
+    problem.priors[index] = Distribution::Uniform { lower: 0.0, upper: fitted };
+    let upper = end_of_prior(&problem, &refit, &name);
+    assert!(upper.starts_with("the upper end of its prior, ") && upper.ends_with(&unit), "{upper}");
+    problem.priors[index] = Distribution::Uniform { lower: fitted, upper: 9.0 * fitted };
+    assert!(end_of_prior(&problem, &refit, &name).starts_with("the lower end of its prior, "));
+    problem.priors[index] = Distribution::LogNormal { median: fitted, factor: 1.07 };
+    assert_eq!(end_of_prior(&problem, &refit, "another"), "an end of its prior");
 }

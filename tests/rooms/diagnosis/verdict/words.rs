@@ -26,6 +26,18 @@ fn something_is_said_to_be_missing_only_where_the_tests_find_it() {
     assert!(!errors.contains("missing") && errors.contains("errs by more than the instruments' noise, and none of 9"));
 }
 
+#[test]
+fn a_set_off_the_steps_is_named_only_where_theirs_have_little() {
+    let steps = [1];
+    let of = |weights: &[f64]| off_the_steps(weights, |place| steps.contains(&place));
+    assert_eq!(of(&[0.1, 0.05, 0.2, 0.65]), Some(3));
+    assert_eq!(of(&[0.0, 0.15, 0.2, 0.65]), None, "the steps' sets have more than a tenth");
+    assert_eq!(of(&[0.0, 0.9, 0.1]), None, "a step's set is the most probable");
+    assert_eq!(of(&[0.9, 0.06, 0.04]), None, "neither is the most probable of all sets of effects");
+    assert_eq!(of(&[0.9, 0.02, 0.03, 0.02]), Some(2), "the baseline model is no set of effects");
+    assert_eq!(of(&[1.0]), None);
+}
+
 /// An effect with this most probable conductance, W/K.
 pub fn effect(most_probable: f64) -> EffectResult {
     let amount = serde_json::json!({"value": 0.0307, "sd": 0.0131, "most_probable": most_probable, "unit": "W/K", "at_bound": false});
