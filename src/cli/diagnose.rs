@@ -63,9 +63,7 @@ fn adoption(output: &Output, adopt: &str) -> Option<String> {
     let settled = output.settled();
     if settled.is_empty() {
         let ids = words(&proposed);
-        return Some(format!(
-            "these data leave it open; what you choose is adopted by name, as in {adopt} {ids}"
-        ));
+        return Some(format!("these data leave it open; what you choose is adopted by name, as in {adopt} {ids}"));
     }
     let all: Vec<&EffectResult> = output.selected.iter().filter_map(|id| output.effect(id)).collect();
     let is_settled = |effect: &&&EffectResult| settled.iter().any(|one| one.id == effect.id);
@@ -79,9 +77,7 @@ fn adoption(output: &Output, adopt: &str) -> Option<String> {
         return Some(format!("{adopt} {settled_ids}{rest}"));
     }
     let with = words(&all.iter().filter(|effect| is_settled(effect) || !effect.is_weak()).copied().collect::<Vec<_>>());
-    Some(format!(
-        "{adopt} {settled_ids}; the rest is left open, and adopted by name with it, as in {adopt} {with}"
-    ))
+    Some(format!("{adopt} {settled_ids}; the rest is left open, and adopted by name with it, as in {adopt} {with}"))
 }
 
 impl Diagnose {

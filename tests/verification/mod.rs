@@ -3,10 +3,10 @@
 pub mod build;
 mod comparison;
 mod dated_diagnosis;
-mod drifting_sink;
 mod derivatives;
 mod design;
 mod disctr;
+mod drifting_sink;
 mod driven_loads;
 mod effects;
 mod elements;

@@ -365,7 +365,8 @@ fn trends(output: &Output) -> Option<Block> {
     let is_all_kelvin = shown().all(|t| unit_of(t) == KELVIN);
     // One unit of time for all rows of a unit, as slow changes are stated.
     let in_time = |own: &str| {
-        let slopes = shown().filter(|t| t.against == TIME && unit_of(t) == own).map(|t| t.slope.abs().max(t.slope_error));
+        let slopes =
+            shown().filter(|t| t.against == TIME && unit_of(t) == own).map(|t| t.slope.abs().max(t.slope_error));
         let (times, unit) = stated("K/s", slopes.fold(0.0, f64::max));
         (times, unit.trim_start_matches(KELVIN).to_owned())
     };
