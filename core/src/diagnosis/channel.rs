@@ -52,6 +52,13 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| quantile_sorted(&values, 0.5))
 }
 
+/// The step in which a channel's readings change, where most of them repeat the one before; 0 where they do not. A mean over several
+/// readings shows fractions of it on the way, so that the smallest change says less than the median.
+pub fn resolution(readings: &[f64]) -> f64 {
+    let steps: Vec<f64> = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0).collect();
+    if 2 * steps.len() > readings.len() { 0.0 } else { median(steps).unwrap_or(0.0) }
+}
+
 /// A sensor's errors, row by row, what it showed, and how much it moves.
 pub(crate) struct Channel<'a> {
     errors: &'a [f64],
@@ -69,9 +76,10 @@ impl<'a> Channel<'a> {
         channel.distances = (0..errors.len()).map(|at| (errors[at] - channel.beside(at, at + 1)).abs()).collect();
         let steps = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0);
         // A channel that shows whole steps does not stand out by one.
-        let resolution = steps.fold(f64::INFINITY, f64::min);
+        let finest = steps.fold(f64::INFINITY, f64::min);
+        let least_step = if finest.is_finite() { finest.max(resolution(readings)) } else { 0.0 };
         let of_all = MEDIAN_TO_SD * median(channel.distances.clone()).unwrap_or(0.0);
-        channel.of_all = SPIKE * of_all.max(if resolution.is_finite() { 0.5 * resolution } else { 0.0 });
+        channel.of_all = SPIKE * of_all.max(0.5 * least_step);
         channel
     }
 

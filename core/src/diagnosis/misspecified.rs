@@ -8,6 +8,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::diagnosis::channel::resolution;
 use crate::diagnosis::engine::{Diagnosis, FitRequest, SensorNoise, State};
 use crate::diagnosis::fits::{held_out, other_noise};
 use crate::diagnosis::heat;
@@ -369,7 +370,11 @@ impl Diagnosis {
     fn instrument(&self, state: &State, measurement: usize, sensor: usize, errors: &[f64]) -> f64 {
         let measured = &self.problem().measurements[measurement];
         if is_unstated(measured) {
-            return quiet_scatter(errors).max(LEAST_NOISE * rms(errors.iter().copied())).max(f64::MIN_POSITIVE.sqrt());
+            let readings: Vec<f64> = (0..measured.len()).filter_map(|row| measured.reading(row, sensor)).collect();
+            // What is rounded to whole steps errs by up to half a step, evenly.
+            let rounded = resolution(&readings) / 12.0_f64.sqrt();
+            let least = rounded.max(LEAST_NOISE * rms(errors.iter().copied())).max(f64::MIN_POSITIVE.sqrt());
+            return quiet_scatter(errors).max(least);
         }
         let estimated = state.noise.iter().find(|one| one.measurement == measurement && one.sensor == sensor);
         estimated.map_or_else(|| measured.sensors[sensor].total_sd(), |one| one.noise.total())

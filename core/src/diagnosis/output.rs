@@ -490,6 +490,9 @@ pub struct Output {
     pub probability_nothing: f64,
     /// Probability that something is missing which no set explains.
     pub probability_unexplained: f64,
+    /// Whether a misfit that nothing explains may be no more than small errors everywhere: the tests find nothing definite.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub only_small_errors: bool,
     /// The misfit of the tuned model.
     pub misfit: Misfit,
     /// Effects: the selected ones in their order, then by probability.

@@ -19,7 +19,7 @@ use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Ton
 use crate::report::view::PassReport;
 
 use super::Entry;
-pub(super) use words::{led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size};
+pub(super) use words::{led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size, unexplained};
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;
@@ -99,7 +99,9 @@ pub(super) fn verdict(output: &Output) -> Text {
             ": effects explain the misfit that have no rivals, but these data do not settle that they are there."
         }
         Verdict::Ambiguous => ": several sets of effects explain the misfit, and these data do not settle which.",
-        Verdict::Unexplained => ": something is missing, and nothing in the catalogue explains it.",
+        Verdict::Unexplained => {
+            return Text::default().strong(output.verdict.word()).plain(format!(": {}", unexplained(output)));
+        }
     };
     Text::default().strong(output.verdict.word()).plain(meaning)
 }

@@ -1,6 +1,6 @@
 //! Tests of `core/src/diagnosis/channel.rs`.
 
-use bmv::diagnosis::channel::{frozen, input_steps, spikes, stuck};
+use bmv::diagnosis::channel::{frozen, input_steps, resolution, spikes, stuck};
 use bmv::math::functions::{exp, sin};
 use bmv::random::StreamKey;
 use bmv::thermal::{InputColumn, InputTable};
@@ -129,4 +129,14 @@ fn a_step_that_stays_is_no_spike() {
     // Nor are whole steps of a coarse channel.
     let coarse: Vec<f64> = (0..300).map(|k| f64::from(k / 50) * 0.5 + if k % 17 == 0 { 0.5 } else { 0.0 }).collect();
     assert!(spikes(&coarse, &coarse).is_empty());
+}
+
+#[test]
+fn whole_steps_are_the_resolution_of_a_channel_that_repeats_itself() {
+    // Two means between whole degrees, of 3/4 and 1/4.
+    let whole = [20.0, 20.0, 20.0, 20.75, 21.0, 21.0, 21.0, 22.0, 22.0, 22.0, 22.0, 23.0, 23.0, 23.0, 24.0, 24.0, 24.0];
+    assert_eq!(resolution(&whole), 1.0);
+    let fine: Vec<f64> = (0..20).map(|row| 20.0 + 0.1 * f64::from(row * row % 7)).collect();
+    assert_eq!(resolution(&fine), 0.0, "it hardly repeats itself");
+    assert_eq!((resolution(&[5.0; 9]), resolution(&[])), (0.0, 0.0), "it shows no step");
 }

@@ -206,12 +206,16 @@ impl Diagnosis {
         };
         let remaining_p = if findings.selected > 0 { findings.remaining_now() } else { None };
         let (heat, goes_with) = missing.map_or_else(Default::default, |missing| (missing.heat, missing.goes_with));
+        let misfit = misfit(&problem, state);
+        let is_definite =
+            misfit.family_wise_p <= self.settings().false_alarm || findings.too_far.is_some() || findings.vetoed;
         let mut output = Output {
             verdict,
             words: Vec::new(),
             probability_nothing: nothing,
             probability_unexplained: findings.weights.unexplained,
-            misfit: misfit(&problem, state),
+            only_small_errors: verdict == Verdict::Unexplained && !is_definite,
+            misfit,
             effects: self.effects(&findings),
             models: models(&findings),
             selected,

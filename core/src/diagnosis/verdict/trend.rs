@@ -18,7 +18,7 @@ pub(crate) fn warnings(problem: &Problem, effects: &[usize]) -> Vec<String> {
         let inputs = (0..problem.model.inputs.len()).filter(|input| own.contains(input));
         for input in inputs.filter(|&input| follows_time(problem, input)) {
             said.push(format!(
-                "`{}` goes with `{}`, which rises or falls throughout the test: the effect may stand for anything else that changed with time",
+                "`{}` goes with `{}`, which goes with time in this test: the effect may stand for anything else that changed with time",
                 candidate.id, problem.model.inputs[input].name
             ));
         }

@@ -263,8 +263,8 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
     let mut words = Vec::new();
     let misfit = &output.misfit;
     let mut error = format!(
-        "Tuned as far as its parameters allow, the model has a reduced chi-square of {:.2}",
-        misfit.reduced_chi2
+        "Tuned as far as its parameters allow, the model has a reduced chi-square of {}",
+        if misfit.reduced_chi2 < 100.0 { format!("{:.2}", misfit.reduced_chi2) } else { short(misfit.reduced_chi2, 3) }
     );
     if let Some(train) = misfit.rmse_k.train {
         error.push_str(&format!(" and an RMSE of {} K on the fitted rows", kelvins(train)));
@@ -313,14 +313,14 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
         }
         Verdict::Unexplained => {
-            let tried = format!(
-                "none of {}, alone or in sets of up to {}",
-                counted(output.looked_at[0], "effect"),
-                findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0)
-            );
+            let largest = findings.state.refits.iter().map(|refit| refit.effects.len()).max().unwrap_or(0);
+            let effects = counted(output.looked_at[0], "effect");
+            let tried = match largest {
+                0 | 1 => format!("none of {effects}"),
+                _ => format!("none of {effects}, alone or in sets of up to {largest}"),
+            };
             let far = too_far(findings);
-            let is_definite = misfit.family_wise_p <= false_alarm || far.is_some() || findings.vetoed;
-            words.push(unexplained(&tried, is_definite));
+            words.push(unexplained(&tried, !output.only_small_errors));
             words.extend(far);
             if findings.vetoed {
                 words.push("What fits the fitted rows fails on the held-out ones.".to_owned());

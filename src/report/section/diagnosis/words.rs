@@ -198,3 +198,12 @@ fn since(name: &str, when: &Amount) -> String {
         _ => format!(", from {} on", amount(when)),
     }
 }
+
+/// What a verdict means by which something is missing that no effect explains.
+pub(in crate::report) fn unexplained(output: &Output) -> &'static str {
+    if output.only_small_errors {
+        "the model errs by more than the instruments' noise, but the tests find nothing definite: small errors everywhere may be all there is."
+    } else {
+        "something is missing, and nothing in the catalogue explains it."
+    }
+}

@@ -13,7 +13,7 @@ use crate::report::ladder;
 use crate::report::number::{self, NONE, Shown, signed, significant, with_error, with_unit};
 use crate::report::page::{Statement, Status, Text};
 use crate::report::section::compliance::{Judged, counts, judged};
-use crate::report::section::diagnosis::{chance, led_by_group, near_miss, proposed_first, size};
+use crate::report::section::diagnosis::{chance, led_by_group, near_miss, proposed_first, size, unexplained};
 use crate::report::section::propagation::{nominal_cases, standing};
 use crate::report::section::summary::missing::probability_of_set;
 use crate::report::section::summary::unconverged;
@@ -81,9 +81,7 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                 None => text.plain(format!("nothing is missing that these data could show ({p} over all tests).")),
             }
         }
-        (Verdict::Unexplained, _) | (_, []) => {
-            text.plain("something is missing, and nothing in the catalogue explains it.")
-        }
+        (Verdict::Unexplained, _) | (_, []) => text.plain(unexplained(output)),
         (verdict, _) => {
             let all_settled = output.settled();
             let (settled, open): (Vec<&EffectResult>, Vec<&EffectResult>) =
