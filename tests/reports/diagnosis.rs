@@ -477,3 +477,19 @@ fn only_a_phase_that_is_worth_a_test_is_the_next_step() {
     has(&step(0.97), &[worth]);
     assert!(!step(0.62).contains("Measure"), "{}", step(0.62));
 }
+
+/// Errors beyond the noise, in which no test finds anything definite, are not called missing heat.
+#[test]
+fn where_the_tests_find_nothing_definite_nothing_is_said_to_be_missing() {
+    let of = |only_small_errors: bool| {
+        let mut sample = diagnosed("unexplained");
+        assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            output.only_small_errors = only_small_errors;
+        }));
+        rendered(&sample).markdown.replace('\u{A0}', " ")
+    };
+    let (definite, small) = (of(false), of(true));
+    let missing = "something is missing, and nothing in the catalogue explains it";
+    assert!(definite.matches(missing).count() >= 1 && !small.contains(missing), "{small}");
+    has(&small, &["the tests find nothing definite: small errors everywhere may be all there is."]);
+}

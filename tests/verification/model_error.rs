@@ -88,6 +88,7 @@ fn where_no_effect_explains_a_misfit_the_model_error_is_called_unexplained() {
     let output = diagnosed(0.0, MODEL_ERROR_K, None);
     assert_eq!((output.verdict, output.selected.len()), (Verdict::Unexplained, 0), "{:?}", output.words);
     assert!(output.misfit.family_wise_p < 1e-6, "the stated noise is far too small");
+    assert!(!output.only_small_errors, "the tests find something definite");
     assert!(output.words.iter().any(|words| words.contains("a little wrong everywhere")), "{:?}", output.words);
     assert!(output.effects.iter().all(|effect| effect.probability < 0.9));
 }

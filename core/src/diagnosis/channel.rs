@@ -28,6 +28,8 @@ const MOST_OF_TRANSIENT: f64 = 0.05;
 const LEAST_RUN: f64 = 8.0;
 /// Fewest readings of one value that show a channel's resolution, and fewest changes between such stretches.
 const LEAST_HELD: usize = 3;
+/// Share of a channel's step by which changes of whole steps may differ from multiples of it.
+const OF_A_STEP: f64 = 0.1;
 /// Times that such a stretch is longer than nine of ten stretches of the channel.
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
@@ -52,11 +54,19 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| quantile_sorted(&values, 0.5))
 }
 
-/// The step in which a channel's readings change, where most of them repeat the one before; 0 where they do not. A mean over several
-/// readings shows fractions of it on the way, so that the smallest change says less than the median.
+/// The step of a channel whose readings mostly repeat the one before: the smallest change that came often, of which most changes are
+/// multiples. 0 where readings do not repeat, or change by any amount.
 pub fn resolution(readings: &[f64]) -> f64 {
-    let steps: Vec<f64> = readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0).collect();
-    if 2 * steps.len() > readings.len() { 0.0 } else { median(steps).unwrap_or(0.0) }
+    let mut steps: Vec<f64> =
+        readings.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|step| *step > 0.0).collect();
+    if 2 * steps.len() >= readings.len() {
+        return 0.0;
+    }
+    steps.sort_by(f64::total_cmp);
+    let is_multiple = |step: f64, of: f64| (step / of - (step / of).round()).abs() < OF_A_STEP;
+    let is_step = |&of: &f64| 2 * steps.iter().filter(|step| is_multiple(**step, of)).count() >= steps.len();
+    let alike = steps.chunk_by(|a, b| b - a < OF_A_STEP * a).filter(|alike| alike.len() >= LEAST_HELD);
+    alike.map(|alike| alike[alike.len() / 2]).find(is_step).unwrap_or(0.0)
 }
 
 /// A sensor's errors, row by row, what it showed, and how much it moves.

@@ -404,6 +404,9 @@ pub struct DiscriminatingStep {
     pub near_tested: bool,
     /// Whether the data have the input at both values.
     pub was_set: bool,
+    /// Whether it must end then: later a limit would be passed, or sensors would read far beyond all readings so far.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub ends_early: bool,
 }
 
 /// Sets that differ in what stores heat alone: no steady phase can part them.

@@ -27,6 +27,8 @@ const MINOR_SHARE: f64 = 0.2;
 /// Log Bayes factor on the fitted rows, downwards, from which they speak against an effect; less is not worth more than a bare mention
 /// (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773).
 const SPEAKS_AGAINST: f64 = -1.0;
+/// The same where held-out rows outweigh it clearly: more is positive evidence (the same).
+const SPEAKS_POSITIVELY_AGAINST: f64 = -3.0;
 
 /// What the sets of a state weigh, in logarithms: posterior weights with what unseen rows say, for which it stands, and evidences.
 struct Logs {
@@ -223,14 +225,16 @@ pub struct Gain {
 }
 
 impl Gain {
-    /// Whether the fitted rows speak against it, and what speaks for it does not outweigh that clearly.
+    /// Whether the fitted rows speak against it: positively, or so that what speaks for it does not outweigh it clearly.
     pub fn is_against_fitted(self) -> bool {
-        self.fitted < SPEAKS_AGAINST && self.log_odds <= CLEARLY
+        let least = if self.log_odds > CLEARLY { SPEAKS_POSITIVELY_AGAINST } else { SPEAKS_AGAINST };
+        self.fitted < least
     }
 }
 
 /// Whether an effect pays. The errors on unseen rows must fall, or not rise where the gain of the first effect is clear; of a further
-/// one more is asked, as what it gains may be errors of the model, and the fitted rows must not speak against it.
+/// one more is asked, as what it gains may be errors of the model, and the fitted rows must not speak against it
+/// ([`Gain::is_against_fitted`]).
 pub fn pays_by(gain: Gain, is_first: bool, asked: AskedOfUnseen) -> bool {
     let may_stay = (is_first || asked == AskedOfUnseen::FallUnlessClear) && gain.log_odds > CLEARLY;
     gain.log_odds > 0.0

@@ -278,6 +278,9 @@ fn rivals(
 fn nothing_selected(diagnosis: &Output, asked: &Asked, job: &str, model: &Model) -> Diagnostic {
     let expected = match diagnosis.verdict {
         Verdict::Adequate => "these data need no further effect",
+        Verdict::Unexplained if diagnosis.only_small_errors => {
+            "no effect explains the errors, and the tests find nothing definite"
+        }
         Verdict::Unexplained => "something is missing, and nothing of the catalogue explains it",
         Verdict::Ambiguous => "several effects explain the data alike",
         Verdict::Identified => "the diagnosis would adopt nothing",

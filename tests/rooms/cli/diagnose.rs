@@ -37,3 +37,16 @@ fn the_next_command_names_no_effect_that_errors_of_the_model_explain_as_well() {
     let weak = of(&[("daily:b", 0.5, 0.5, Some(1))]);
     assert!(weak.ends_with("as in bmv adopt p.json daily:b"), "{weak}");
 }
+
+/// A sensor that is off looks the same as a start that is: the way on is stated for that case too.
+#[test]
+fn a_doubtful_start_goes_first_and_is_no_dead_end() {
+    let start = json!([{"code": "start-apart", "message": "the first readings lie apart", "repair": null}]);
+    let doubtful = |selected: &[(&str, f64, f64, Option<u64>)]| {
+        let doubts = serde_json::from_value(start.clone()).expect("doubts");
+        next(&Output { doubts, ..output(selected) }, "bmv adopt p.json")
+    };
+    let some = doubtful(&[("path:a", 0.97, 0.0, None)]).expect("a step");
+    assert_eq!(some, "next: check the start, then bmv diagnose again; if the start is right, bmv adopt p.json path:a");
+    assert_eq!(doubtful(&[]).as_deref(), Some("next: check the start, then bmv diagnose again"));
+}

@@ -134,9 +134,21 @@ fn a_step_that_stays_is_no_spike() {
 #[test]
 fn whole_steps_are_the_resolution_of_a_channel_that_repeats_itself() {
     // Two means between whole degrees, of 3/4 and 1/4.
-    let whole = [20.0, 20.0, 20.0, 20.75, 21.0, 21.0, 21.0, 22.0, 22.0, 22.0, 22.0, 23.0, 23.0, 23.0, 24.0, 24.0, 24.0];
+    let whole = [
+        20.0, 20.0, 20.0, 20.75, 21.0, 21.0, 21.0, 22.0, 22.0, 22.0, 22.0, 23.0, 23.0, 23.0, 25.0, 25.0, 25.0, 24.0,
+        24.0, 24.0,
+    ];
     assert_eq!(resolution(&whole), 1.0);
     let fine: Vec<f64> = (0..20).map(|row| 20.0 + 0.1 * f64::from(row * row % 7)).collect();
     assert_eq!(resolution(&fine), 0.0, "it hardly repeats itself");
+    // Read three times as often as it is renewed, it moves on by another amount each time.
+    let renewed: Vec<f64> = (0..60).map(|row| 20.0 + 0.01 * f64::from((row / 3) * (row / 3))).collect();
+    assert!(resolution(&renewed) < 0.1, "{}", resolution(&renewed));
+    // Three drop-outs to 0 beside a flicker of a hundredth.
+    let mut quiet = vec![20.0; 60];
+    [10, 20, 30].into_iter().for_each(|row| quiet[row] = 0.0);
+    [40, 45, 50].into_iter().for_each(|row| quiet[row] = 20.01);
+    let step = resolution(&quiet);
+    assert!((step - 0.01).abs() < 1e-9, "{step}");
     assert_eq!((resolution(&[5.0; 9]), resolution(&[])), (0.0, 0.0), "it shows no step");
 }

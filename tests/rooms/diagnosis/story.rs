@@ -53,7 +53,9 @@ fn a_further_effect_does_not_pay_where_the_fitted_rows_speak_against_it() {
     let by = |fitted: f64| Gain { log_odds: 5.0, fitted, unseen: [Some(1.0), Some(0.7)] };
     assert!(pays_by(by(-0.9), false, Fall) && !pays_by(by(-1.1), false, Fall));
     assert!(!pays_by(by(-1.1), false, FallUnlessClear) && pays_by(by(-1.1), true, Fall));
-    assert!(pays_by(Gain { log_odds: 11.0, ..by(-1.1) }, false, Fall), "ten in log odds outweigh them");
+    let outweighed = |fitted: f64| Gain { log_odds: 11.0, ..by(fitted) };
+    assert!(pays_by(outweighed(-2.9), false, Fall) && pays_by(outweighed(-2.9), false, FallUnlessClear));
+    assert!(!pays_by(outweighed(-3.1), false, Fall), "nothing outweighs positive evidence");
 }
 
 /// Ten times as probable, and the unseen rows speak against it.

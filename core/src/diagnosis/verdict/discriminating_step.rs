@@ -22,6 +22,10 @@ const TIME_CONSTANTS: f64 = 3.0;
 /// Readings of each sensor: as often as in the record, but so many at most and at least.
 const MOST_ROWS: usize = 400;
 const LEAST_ROWS: usize = 24;
+/// Share of the time that the hardware bears for which a step is watched: two digits of it may be rounded upwards.
+const WITHIN: f64 = 0.95;
+/// Readings at the record's own pace that such a step has at least.
+const LEAST_OF_RECORD: f64 = 2.0;
 /// Instants at which the approach to the new state is looked at, in geometric progression.
 const INSTANTS: usize = 200;
 /// The first of them after the step, as a share of the last.
@@ -46,6 +50,7 @@ struct Judged {
     within_limits: bool,
     near_tested: bool,
     duration_s: f64,
+    ends_early: bool,
     /// The slowest sensor and its time constant, s.
     slowest: (usize, f64),
 }
@@ -77,6 +82,7 @@ pub(super) fn best(problem: &Problem, rivals: &[&Rival<'_>]) -> Option<Discrimin
         limits_ok: best.within_limits,
         near_tested: best.near_tested,
         was_set: !best.step.is_wide,
+        ends_early: best.ends_early,
     })
 }
 
@@ -120,7 +126,7 @@ fn steps(problem: &Problem, wide: bool) -> Vec<Stepped> {
 }
 
 /// The step, watched for three time constants or, where the hardware may not bear that and less is worth a test, as long as it
-/// surely does.
+/// surely does by all rivals.
 fn judge(
     problem: &Problem,
     rivals: &[&Rival<'_>],
@@ -131,13 +137,25 @@ fn judge(
     watch::check();
     let first = *rivals.first()?;
     let looked_at = geometric(longest_s);
-    let coarse = stepped(problem, first, template, step, &looked_at)?;
-    let parameters = first.full_parameters(&first.at(&stepped(problem, first, template, step, &[0.0, 1.0])?)?)?;
-    let predictor = Predictor::new(&first.problem.model, &[]).ok()?;
-    let predict = |measurement: &Measurement| predictor.predict(&mut predictor.workspace(), measurement, &parameters);
-    let prediction = predict(&coarse);
-    let slowest = slowest(&first.problem.model, &coarse, &prediction, &looked_at)?;
-    let watched = |duration_s: f64| {
+    // Of each rival what it predicts of the step.
+    let predictions = |instants: &[f64]| -> Option<Vec<(Measurement, Prediction)>> {
+        let of = |&rival: &&Rival<'_>| {
+            let parameters =
+                rival.full_parameters(&rival.at(&stepped(problem, rival, template, step, &[0.0, 1.0])?)?)?;
+            let predictor = Predictor::new(&rival.problem.model, &[]).ok()?;
+            let measurement = stepped(problem, rival, template, step, instants)?;
+            let prediction = predictor.predict(&mut predictor.workspace(), &measurement, &parameters);
+            Some((measurement, prediction))
+        };
+        rivals.iter().map(of).collect()
+    };
+    let coarse = predictions(&looked_at)?;
+    let (measured, predicted) = coarse.first()?;
+    let slowest = slowest(&first.problem.model, measured, predicted, &looked_at)?;
+    let borne = |own: &[(Measurement, Prediction)]| -> Vec<Borne> {
+        rivals.iter().zip(own).map(|(rival, own)| borne(problem, rival, template, &own.1)).fold(Vec::new(), both)
+    };
+    let watched = |duration_s: f64, ends_early: bool| {
         let rows = (template.len() as f64 * duration_s / span_s(template)) as usize;
         let rows = rows.clamp(LEAST_ROWS, MOST_ROWS);
         let instants: Vec<f64> = (0..rows).map(|row| duration_s * row as f64 / (rows - 1) as f64).collect();
@@ -151,27 +169,41 @@ fn judge(
             watch::check();
             least = least.min(square(&all[0], rival, own, &all_rows));
         }
-        let borne = borne(problem, first, template, &predict(&stepped(problem, first, template, step, &instants)?));
-        let within_limits = borne.iter().all(|row| row.within_limits);
-        let near_tested = borne.iter().all(|row| row.near_tested);
-        least.is_finite().then_some(Judged { step, square: least, within_limits, near_tested, duration_s, slowest })
+        let rows = borne(&predictions(&instants)?);
+        let within_limits = rows.iter().all(|row| row.within_limits);
+        let near_tested = rows.iter().all(|row| row.near_tested);
+        let judged = Judged { step, square: least, within_limits, near_tested, duration_s, ends_early, slowest };
+        least.is_finite().then_some(judged)
     };
-    let whole = watched((TIME_CONSTANTS * slowest.1).min(longest_s))?;
+    let whole = watched((TIME_CONSTANTS * slowest.1).min(longest_s), false)?;
     if whole.is_borne() {
         return Some(whole);
     }
     // Row 0 stands before the step.
-    let rows = borne(problem, first, template, &prediction);
-    let until = rows.iter().take_while(|row| row.within_limits && row.near_tested).count();
-    let borne_s = until.checked_sub(2).and_then(|last| looked_at.get(last)).copied().unwrap_or(0.0);
-    let shorter = (borne_s > 0.0 && borne_s < whole.duration_s).then(|| watched(borne_s)).flatten();
+    let until = borne(&coarse).iter().take_while(|row| row.within_limits && row.near_tested).count();
+    let borne_s = WITHIN * until.checked_sub(2).and_then(|last| looked_at.get(last)).copied().unwrap_or(0.0);
+    let is_seen = borne_s * template.len() as f64 >= LEAST_OF_RECORD * span_s(template);
+    let shorter = (is_seen && borne_s < whole.duration_s).then(|| watched(borne_s, true)).flatten();
     Some(shorter.filter(Judged::is_enough).unwrap_or(whole))
 }
 
 /// What of a row the hardware surely bears.
+#[derive(Clone, Copy)]
 struct Borne {
     within_limits: bool,
     near_tested: bool,
+}
+
+/// Rows that the hardware bears by two predictions; by one where there is no other.
+fn both(known: Vec<Borne>, other: Vec<Borne>) -> Vec<Borne> {
+    if known.is_empty() {
+        return other;
+    }
+    let of = |(a, b): (&Borne, &Borne)| Borne {
+        within_limits: a.within_limits && b.within_limits,
+        near_tested: a.near_tested && b.near_tested,
+    };
+    known.iter().zip(&other).map(of).collect()
 }
 
 /// Of each row of a prediction by a rival whether the hardware surely bears it.

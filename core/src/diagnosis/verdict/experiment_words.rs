@@ -41,6 +41,9 @@ impl OnlyInTransients {
         let about = match (step.limits_ok, step.near_tested) {
             (false, _) => ", but red limits of a node are passed",
             (true, false) => ", but sensors would read far beyond all readings so far",
+            (true, true) if step.ends_early => {
+                ", and must end then: later limits are passed, or sensors read far beyond all readings so far"
+            }
             (true, true) => "",
         };
         let beyond = if step.was_set { "" } else { ", farther than it was set so far" };

@@ -322,7 +322,8 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
                 let text = Text::new("Measure ")
                     .plain(step.in_words(report.model).replace(" degC", "\u{A0}\u{B0}C"))
                     .plain(" for ");
-                let text = text.plain(format!("{}: it tells ", time(step.duration_s)));
+                let no_longer = if step.ends_early { ", no longer" } else { "" };
+                let text = text.plain(format!("{}{no_longer}: it tells ", time(step.duration_s)));
                 return Some(apart(text, rivals).plain(format!(" with probability {}.", chance(step.probability))));
             }
             Verdict::Ambiguous | Verdict::Unexplained => {
