@@ -298,7 +298,8 @@ fn a_step_is_watched_as_long_as_the_hardware_surely_bears_it() {
     let apart = output.only_in_transients.as_ref().expect("told apart by a transient");
     let step = apart.step.as_ref().expect("a step");
     assert!(step.input == "Q" && step.from.value == 0.0 && step.to.value == 100.0, "{step:?}");
-    assert!(step.near_tested && step.limits_ok && step.probability > 0.8, "{step:?}");
+    assert!(step.near_tested && step.limits_ok && step.ends_early && step.probability > 0.8, "{step:?}");
+    assert!(output.words.iter().any(|words| words.contains("and must end then")), "{:?}", output.words);
     // By hand: without losses 440 J/K are warmed by 16 + 30 K in 203 s.
     assert!((150.0..300.0).contains(&step.duration_s), "{step:?}");
 }

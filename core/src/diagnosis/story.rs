@@ -27,8 +27,8 @@ const MINOR_SHARE: f64 = 0.2;
 /// Log Bayes factor on the fitted rows, downwards, from which they speak against an effect; less is not worth more than a bare mention
 /// (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773).
 const SPEAKS_AGAINST: f64 = -1.0;
-/// The same where held-out rows outweigh it clearly: more is positive evidence (the same).
-const SPEAKS_POSITIVELY_AGAINST: f64 = -3.0;
+/// The same where what speaks for the effect outweighs it clearly: what is more is strong evidence (Kass & Raftery 1995).
+const SPEAKS_STRONGLY_AGAINST: f64 = -3.0;
 
 /// What the sets of a state weigh, in logarithms: posterior weights with what unseen rows say, for which it stands, and evidences.
 struct Logs {
@@ -225,9 +225,9 @@ pub struct Gain {
 }
 
 impl Gain {
-    /// Whether the fitted rows speak against it: positively, or so that what speaks for it does not outweigh it clearly.
+    /// Whether the fitted rows speak against it: strongly, or with less that nothing outweighs clearly.
     pub fn is_against_fitted(self) -> bool {
-        let least = if self.log_odds > CLEARLY { SPEAKS_POSITIVELY_AGAINST } else { SPEAKS_AGAINST };
+        let least = if self.log_odds > CLEARLY { SPEAKS_STRONGLY_AGAINST } else { SPEAKS_AGAINST };
         self.fitted < least
     }
 }

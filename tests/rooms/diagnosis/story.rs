@@ -55,7 +55,7 @@ fn a_further_effect_does_not_pay_where_the_fitted_rows_speak_against_it() {
     assert!(!pays_by(by(-1.1), false, FallUnlessClear) && pays_by(by(-1.1), true, Fall));
     let outweighed = |fitted: f64| Gain { log_odds: 11.0, ..by(fitted) };
     assert!(pays_by(outweighed(-2.9), false, Fall) && pays_by(outweighed(-2.9), false, FallUnlessClear));
-    assert!(!pays_by(outweighed(-3.1), false, Fall), "nothing outweighs positive evidence");
+    assert!(!pays_by(outweighed(-3.1), false, Fall), "nothing outweighs strong evidence");
 }
 
 /// Ten times as probable, and the unseen rows speak against it.

@@ -137,17 +137,19 @@ fn judge(
     watch::check();
     let first = *rivals.first()?;
     let looked_at = geometric(longest_s);
+    let parameters: Vec<Vec<f64>> = rivals
+        .iter()
+        .map(|rival| rival.full_parameters(&rival.at(&stepped(problem, rival, template, step, &[0.0, 1.0])?)?))
+        .collect::<Option<_>>()?;
     // Of each rival what it predicts of the step.
     let predictions = |instants: &[f64]| -> Option<Vec<(Measurement, Prediction)>> {
-        let of = |&rival: &&Rival<'_>| {
-            let parameters =
-                rival.full_parameters(&rival.at(&stepped(problem, rival, template, step, &[0.0, 1.0])?)?)?;
+        let of = |(rival, parameters): (&&Rival<'_>, &Vec<f64>)| {
             let predictor = Predictor::new(&rival.problem.model, &[]).ok()?;
             let measurement = stepped(problem, rival, template, step, instants)?;
-            let prediction = predictor.predict(&mut predictor.workspace(), &measurement, &parameters);
+            let prediction = predictor.predict(&mut predictor.workspace(), &measurement, parameters);
             Some((measurement, prediction))
         };
-        rivals.iter().map(of).collect()
+        rivals.iter().zip(&parameters).map(of).collect()
     };
     let coarse = predictions(&looked_at)?;
     let (measured, predicted) = coarse.first()?;
@@ -188,7 +190,6 @@ fn judge(
 }
 
 /// What of a row the hardware surely bears.
-#[derive(Clone, Copy)]
 struct Borne {
     within_limits: bool,
     near_tested: bool,
