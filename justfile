@@ -8,6 +8,10 @@ report:
 test:
     cargo test
 
+# tests of a second and more each, which the gate runs too
+thorough:
+    cargo test --test main -- --ignored --skip nightly::
+
 # the gate
 ci:
     .ci/run

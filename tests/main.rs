@@ -1,4 +1,6 @@
 //! All tests of the crate `bmv` in one binary: by area, and in `rooms` those of one source file each.
+//! Three tiers: `cargo test` runs those of less than a second or so; the gate also those that are ignored as `thorough`;
+//! `just nightly` also those of the modules named `nightly`, which take minutes.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 mod cli;

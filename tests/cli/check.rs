@@ -187,6 +187,7 @@ fn a_damaged_baseline_is_an_error_that_names_the_file() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn another_seed_agrees_and_names_a_parameter_that_moved() {
     let root = shade();
     renew(root.path(), "shade");
@@ -287,18 +288,10 @@ fn alarms(nights: u64) -> u64 {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn few_nights_raise_no_more_alarms_than_chance() {
     // One alarm in 8 nights has a probability of 8 % where nothing changed; two of 0.3 %.
     assert!(alarms(8) <= 1);
-}
-
-#[test]
-#[ignore = "nightly: a hundred checks of a small study"]
-fn a_hundred_nights_raise_at_most_four_alarms() {
-    // More than four of a hundred at a level of 1 % have a probability of 0.3 %.
-    let found = alarms(100);
-    println!("{found} alarms in 100 nights");
-    assert!(found <= 4, "{found}");
 }
 
 /// Of the X-ray monitor's campaign, with data whose joint Gh has these factors of the one that its baselines were made with, under
@@ -335,19 +328,13 @@ fn checks_of_the_monitor<const N: usize>(factors: [f64; N]) -> [(i32, Value); N]
 
 /// The goal of the nightly regression: a change by 1 % of a joint is found with another seed, at about 4000 effective draws.
 #[test]
+#[ignore = "thorough"]
 fn a_hundredth_of_the_monitors_joint_is_found_in_its_data() {
     let [(status, same), (status_of_less, less)] = checks_of_the_monitor([1.0, 0.99]);
     assert_eq!((status, &same["differs"]), (0, &json!(false)), "{same}");
     let percent = same["detectable_percent"].as_f64().unwrap();
     assert!(percent < 0.5, "{same}");
     assert_eq!((status_of_less, &less["differs"]), (1, &json!(true)), "{less}");
-}
-
-#[test]
-#[ignore = "nightly: what a hundredth less shows by day, for a hundredth more"]
-fn a_hundredth_more_of_the_monitors_joint_is_found_too() {
-    let [(status, more)] = checks_of_the_monitor([1.01]);
-    assert_eq!((status, &more["differs"]), (1, &json!(true)), "{more}");
 }
 
 /// The files of a study's baselines.
@@ -387,4 +374,24 @@ fn every_study_has_baselines_of_all_its_jobs_that_say_why() {
         }
     }
     assert!(seen > 30, "{seen}");
+}
+
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly: a hundred checks of a small study"]
+    fn a_hundred_nights_raise_at_most_four_alarms() {
+        // More than four of a hundred at a level of 1 % have a probability of 0.3 %.
+        let found = alarms(100);
+        println!("{found} alarms in 100 nights");
+        assert!(found <= 4, "{found}");
+    }
+
+    #[test]
+    #[ignore = "nightly: what a hundredth less shows by day, for a hundredth more"]
+    fn a_hundredth_more_of_the_monitors_joint_is_found_too() {
+        let [(status, more)] = checks_of_the_monitor([1.01]);
+        assert_eq!((status, &more["differs"]), (1, &json!(true)), "{more}");
+    }
 }

@@ -33,6 +33,7 @@ fn largest_deviation_k(root: &Path) -> f64 {
 /// ESATAN integrates 3000 s in steps of 30 s with its own tolerances; at a quarter of that step an independent Crank-Nicolson
 /// solution comes within 1.1 mK, so 1 mK at all instants tells that every conductor and heat is there.
 #[test]
+#[ignore = "thorough"]
 fn a_transient_of_esatan_is_reproduced_to_a_millikelvin() {
     let (root, said) = imported(&[file("decks/tests/esatan/DISCTR_TRANSIENT.TMD")]);
     assert_eq!((&said["closure"]["rows"], closing(&said)), (&Value::from(101), 100));

@@ -213,6 +213,7 @@ fn each_judgement_says_of_which_state_of_the_model_it_is() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn diff_runs_both_passes_at_once_and_names_the_figures_of_every_kind_of_job() {
     let root = plate();
     change(root.path(), |pass| {

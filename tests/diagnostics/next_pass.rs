@@ -127,6 +127,7 @@ fn same_prior(one: &Distribution, other: &Distribution) -> bool {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn every_effect_at_every_kind_of_place_is_written_and_read_again() {
     let study = study();
     // Rows within a day, for laws of its hours.

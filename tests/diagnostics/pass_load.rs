@@ -253,12 +253,6 @@ fn files_broken_off_at_every_third_byte_never_panic() {
     load_broken_off(3);
 }
 
-#[test]
-#[ignore = "nightly"]
-fn files_broken_off_anywhere_never_panic() {
-    load_broken_off(1);
-}
-
 fn load_broken_off(every: usize) {
     let study = Study::new();
     for (name, text) in [("pass-1.json", PASS), ("data/balance.csv", BALANCE)] {
@@ -280,5 +274,15 @@ fn load_broken_off(every: usize) {
             }
         }
         study.put(name, text);
+    }
+}
+
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly"]
+    fn files_broken_off_anywhere_never_panic() {
+        load_broken_off(1);
     }
 }

@@ -193,32 +193,6 @@ fn schools_in_a_hierarchy() {
     }
 }
 
-#[test]
-#[ignore = "nightly"]
-fn correlated_regression() {
-    for (sampler, chains) in every_sampler(&kidiq()) {
-        let what = names(&["beta[1]", "beta[2]", "sigma"]);
-        compare(sampler, include_str!("posteriordb/kidiq.reference_summary.json"), &chains, &what, true, |x| {
-            vec![x[0], x[1], half_cauchy(x[2], 2.5).0]
-        });
-    }
-}
-
-#[test]
-#[ignore = "nightly"]
-fn autoregression_of_fifth_order() {
-    let mut what = names(&["alpha"]);
-    what.extend((1..=5).map(|k| format!("beta[{k}]")));
-    what.push("sigma".to_owned());
-    for (sampler, chains) in every_sampler(&autoregression()) {
-        compare(sampler, include_str!("posteriordb/arK.reference_summary.json"), &chains, &what, true, |x| {
-            let mut values = x[..6].to_vec();
-            values.push(half_cauchy(x[6], 2.5).0);
-            values
-        });
-    }
-}
-
 fn check_compartment(sampler: &str, chains: &Chains) {
     let what = names(&["k_a", "K_m", "V_m", "sigma"]);
     let reference = include_str!("posteriordb/one_comp_mm_elim_abs.reference_summary.json");
@@ -226,18 +200,48 @@ fn check_compartment(sampler: &str, chains: &Chains) {
     compare(sampler, reference, chains, &what, false, |x| x.iter().map(|u| half_cauchy(*u, 1.0).0).collect());
 }
 
-#[test]
-#[ignore = "nightly"]
-fn compartment_with_heavy_tails() {
-    // A curved ridge with a long tail: short chains with the default acceptance diverge and miss it.
-    let settings = NutsSettings { warm_up: 500, draws: 2000, acceptance: 0.95, ..Default::default() };
-    check_compartment("nuts", &nuts_chains(&compartment(), &settings));
-}
+mod nightly {
+    use super::*;
 
-#[test]
-#[ignore = "nightly"]
-fn compartment_with_heavy_tails_by_the_other_samplers() {
-    check_compartment("smc", &smc_result(&compartment(), &SmcSettings::default()).chains);
-    let settings = MetropolisSettings { draws: 10_000, ..Default::default() };
-    check_compartment("metropolis", &metropolis_chains(&compartment(), &settings));
+    #[test]
+    #[ignore = "nightly"]
+    fn correlated_regression() {
+        for (sampler, chains) in every_sampler(&kidiq()) {
+            let what = names(&["beta[1]", "beta[2]", "sigma"]);
+            compare(sampler, include_str!("posteriordb/kidiq.reference_summary.json"), &chains, &what, true, |x| {
+                vec![x[0], x[1], half_cauchy(x[2], 2.5).0]
+            });
+        }
+    }
+
+    #[test]
+    #[ignore = "nightly"]
+    fn autoregression_of_fifth_order() {
+        let mut what = names(&["alpha"]);
+        what.extend((1..=5).map(|k| format!("beta[{k}]")));
+        what.push("sigma".to_owned());
+        for (sampler, chains) in every_sampler(&autoregression()) {
+            compare(sampler, include_str!("posteriordb/arK.reference_summary.json"), &chains, &what, true, |x| {
+                let mut values = x[..6].to_vec();
+                values.push(half_cauchy(x[6], 2.5).0);
+                values
+            });
+        }
+    }
+
+    #[test]
+    #[ignore = "nightly"]
+    fn compartment_with_heavy_tails() {
+        // A curved ridge with a long tail: short chains with the default acceptance diverge and miss it.
+        let settings = NutsSettings { warm_up: 500, draws: 2000, acceptance: 0.95, ..Default::default() };
+        check_compartment("nuts", &nuts_chains(&compartment(), &settings));
+    }
+
+    #[test]
+    #[ignore = "nightly"]
+    fn compartment_with_heavy_tails_by_the_other_samplers() {
+        check_compartment("smc", &smc_result(&compartment(), &SmcSettings::default()).chains);
+        let settings = MetropolisSettings { draws: 10_000, ..Default::default() };
+        check_compartment("metropolis", &metropolis_chains(&compartment(), &settings));
+    }
 }

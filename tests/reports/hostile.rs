@@ -209,6 +209,7 @@ fn poisoned_with(mut sample: Sample, hostile: &str) -> Sample {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn hostile_names_are_text_everywhere() {
     let diagnoses = ["identified", "ambiguous", "unexplained", "adequate"].map(diagnosed);
     let plain = [radiator(), transient(), steady(), predicted(), with(true)];
@@ -342,6 +343,7 @@ const TRIES: [&str; 40] = [
 ];
 
 #[test]
+#[ignore = "thorough"]
 fn no_try_of_a_name_gets_through() {
     for (number, hostile) in TRIES.iter().enumerate() {
         // Each sort of page in turn: rendering all would cost the more the less it tells.

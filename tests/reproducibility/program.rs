@@ -163,6 +163,7 @@ fn reports_have_the_same_bytes_for_any_threads_and_with_masked_cpu_features() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn ten_kills_at_random_moments_leave_no_trace_in_the_result() {
     let studies = Studies::new(1 << 18);
     studies.change_job(|job| job["sweep"] = json!({"A": [0.28, 0.30, 0.32]}));
@@ -190,6 +191,7 @@ fn ten_kills_at_random_moments_leave_no_trace_in_the_result() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn two_programs_share_a_cache() {
     let studies = Studies::new(16_000);
     let mut processes: Vec<_> = (0..2)

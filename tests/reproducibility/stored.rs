@@ -92,6 +92,7 @@ fn poisoned(bytes: &[u8], value: f64) -> Vec<u8> {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn every_stage_of_every_job_kind_reads_what_the_one_before_may_give() {
     let mut stages = 0;
     for (name, job) in jobs() {

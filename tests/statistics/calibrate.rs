@@ -65,6 +65,7 @@ fn agrees(output: &Output) {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn nuts_finds_the_reference_posterior() {
     let output = calibrated(Sampler::Nuts, 1000);
     agrees(&output);
@@ -84,24 +85,7 @@ fn nuts_finds_the_reference_posterior() {
 }
 
 #[test]
-#[ignore = "nightly"]
-fn adaptive_metropolis_finds_the_reference_posterior() {
-    agrees(&calibrated(Sampler::AdaptiveMetropolis, 3000));
-}
-
-#[test]
-#[ignore = "nightly"]
-fn independent_proposals_find_the_reference_posterior() {
-    agrees(&calibrated(Sampler::IndependenceMetropolis, 4000));
-}
-
-#[test]
-#[ignore = "nightly"]
-fn sequential_monte_carlo_finds_the_reference_posterior() {
-    agrees(&calibrated(Sampler::Smc, 400));
-}
-
-#[test]
+#[ignore = "thorough"]
 fn short_chains_are_not_called_converged() {
     let output = calibrated(Sampler::Nuts, 20);
     assert!(!output.converged);
@@ -144,4 +128,26 @@ fn what_cannot_be_calibrated_is_refused() {
     .expect("a job");
     let error = run(&lost).expect_err("no start").to_string();
     assert!(error.contains("starting points could be evaluated") && error.contains("P00"), "{error}");
+}
+
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly"]
+    fn adaptive_metropolis_finds_the_reference_posterior() {
+        agrees(&calibrated(Sampler::AdaptiveMetropolis, 3000));
+    }
+
+    #[test]
+    #[ignore = "nightly"]
+    fn independent_proposals_find_the_reference_posterior() {
+        agrees(&calibrated(Sampler::IndependenceMetropolis, 4000));
+    }
+
+    #[test]
+    #[ignore = "nightly"]
+    fn sequential_monte_carlo_finds_the_reference_posterior() {
+        agrees(&calibrated(Sampler::Smc, 400));
+    }
 }

@@ -76,12 +76,17 @@ fn calibrate(data_sets: u64) {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn ranks_are_uniform_over_few_data_sets() {
     calibrate(100);
 }
 
-#[test]
-#[ignore = "nightly"]
-fn ranks_are_uniform_over_many_data_sets() {
-    calibrate(1000);
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly"]
+    fn ranks_are_uniform_over_many_data_sets() {
+        calibrate(1000);
+    }
 }

@@ -133,6 +133,7 @@ fn quadrature(model: &Readings, lower: [f64; 2], upper: [f64; 2]) -> f64 {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_line_with_normal_priors_is_exact() {
     let model = Readings::new(vec![normal(0.0, 2.0), normal(0.0, 2.0)], &LINE, Some(0.3), line);
     let fit = model.estimate();
@@ -152,6 +153,7 @@ fn a_line_with_normal_priors_is_exact() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_bound_that_cuts_the_fit_is_counted() {
     // The free fit has a slope of about 0.97 with sd 0.095; the box ends at 0.7, and cuts the intercept at 1.2.
     let priors = vec![uniform(-2.0, 2.2), uniform(0.0, 0.7)];

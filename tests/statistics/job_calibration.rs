@@ -137,24 +137,29 @@ const OF_1000: std::ops::RangeInclusive<f64> = 0.926..=0.971;
 const OF_40: std::ops::RangeInclusive<f64> = 0.8..=1.0;
 
 #[test]
+#[ignore = "thorough"]
 fn the_job_is_calibrated_over_few_data_sets() {
     check(Sampler::Nuts, 40, 100, 100, OF_40);
 }
 
-#[test]
-#[ignore = "nightly"]
-fn the_job_is_calibrated_with_nuts() {
-    check(Sampler::Nuts, 1000, 300, 500, OF_1000);
-}
+mod nightly {
+    use super::*;
 
-#[test]
-#[ignore = "nightly"]
-fn the_job_is_calibrated_with_metropolis() {
-    check(Sampler::AdaptiveMetropolis, 1000, 1500, 3000, OF_1000);
-}
+    #[test]
+    #[ignore = "nightly"]
+    fn the_job_is_calibrated_with_nuts() {
+        check(Sampler::Nuts, 1000, 300, 500, OF_1000);
+    }
 
-#[test]
-#[ignore = "nightly"]
-fn the_job_is_calibrated_with_smc() {
-    check(Sampler::Smc, 1000, 0, 500, OF_1000);
+    #[test]
+    #[ignore = "nightly"]
+    fn the_job_is_calibrated_with_metropolis() {
+        check(Sampler::AdaptiveMetropolis, 1000, 1500, 3000, OF_1000);
+    }
+
+    #[test]
+    #[ignore = "nightly"]
+    fn the_job_is_calibrated_with_smc() {
+        check(Sampler::Smc, 1000, 0, 500, OF_1000);
+    }
 }

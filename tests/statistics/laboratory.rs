@@ -158,40 +158,10 @@ fn rivals_are_stated_with_their_distance() {
     }
 }
 
-/// Every effect of the catalogue in a network and test that have a place for it and show it.
-#[test]
-#[ignore = "minutes: one case for each effect"]
-fn every_effect_can_be_hidden() {
-    let catalogue = catalogue();
-    let mut without_place = Vec::new();
-    for effect in catalogue.effects() {
-        let request = || InjectionRequest {
-            only: Some(effect.name.clone()),
-            size: Some(0.5),
-            correlated: Some(false),
-            ..InjectionRequest::default()
-        };
-        // Long tests first: a drift does not show in others, whatever place and network are drawn.
-        let mut tests = TestKind::ALL;
-        tests.reverse();
-        let kinds = Topology::ALL.into_iter().flat_map(|topology| tests.map(|test| (topology, test)));
-        let mut kinds = kinds.into_iter();
-        let drawn =
-            kinds.find_map(|(topology, test)| case(&catalogue, &Recipe::of(topology, test, request()), SEED, 0).ok());
-        let Some(case) = drawn else {
-            without_place.push(effect.name.as_str());
-            continue;
-        };
-        assert_eq!(case.truth.effects[0].effect, effect.name);
-        check(&case, 0.5);
-    }
-    // No network of the laboratory logs a temperature that is no node of it, and none of its tests has two runs.
-    assert_eq!(without_place, ["path-to-logged-temperature", "event-load", "event-conductance"]);
-}
-
 /// A path that leaves 685 standard deviations bends the baseline fit, about which its linearisation does not look like it: it
 /// is found where the parameters are as they were believed beforehand, and then every law of heat is fitted at its place.
 #[test]
+#[ignore = "thorough"]
 fn a_strong_path_is_found_and_all_laws_are_fitted_at_its_place() {
     let only = Some("conductive-path".to_owned());
     let request = InjectionRequest { only, size: None, amplitude: Some(2.0), ..InjectionRequest::default() };
@@ -222,11 +192,46 @@ fn a_strong_path_is_found_and_all_laws_are_fitted_at_its_place() {
     );
 }
 
-/// Rivals in what stores heat, of which one has a sensor with an offset of its own: a step that parts them is sought with the
-/// quantities of that rival.
-#[test]
-#[ignore = "a minute: a whole diagnosis of a transient"]
-fn a_step_between_rivals_with_other_sensors_is_judged() {
-    let outcome = bmv::twin::drawn_case(&catalogue(), &bmv::twin::finer(79), 103, 79);
-    assert!(outcome.answer.is_some(), "{:?}", outcome.reason);
+mod nightly {
+    use super::*;
+
+    /// Every effect of the catalogue in a network and test that have a place for it and show it.
+    #[test]
+    #[ignore = "minutes: one case for each effect"]
+    fn every_effect_can_be_hidden() {
+        let catalogue = catalogue();
+        let mut without_place = Vec::new();
+        for effect in catalogue.effects() {
+            let request = || InjectionRequest {
+                only: Some(effect.name.clone()),
+                size: Some(0.5),
+                correlated: Some(false),
+                ..InjectionRequest::default()
+            };
+            // Long tests first: a drift does not show in others, whatever place and network are drawn.
+            let mut tests = TestKind::ALL;
+            tests.reverse();
+            let kinds = Topology::ALL.into_iter().flat_map(|topology| tests.map(|test| (topology, test)));
+            let mut kinds = kinds.into_iter();
+            let drawn = kinds
+                .find_map(|(topology, test)| case(&catalogue, &Recipe::of(topology, test, request()), SEED, 0).ok());
+            let Some(case) = drawn else {
+                without_place.push(effect.name.as_str());
+                continue;
+            };
+            assert_eq!(case.truth.effects[0].effect, effect.name);
+            check(&case, 0.5);
+        }
+        // No network of the laboratory logs a temperature that is no node of it, and none of its tests has two runs.
+        assert_eq!(without_place, ["path-to-logged-temperature", "event-load", "event-conductance"]);
+    }
+
+    /// Rivals in what stores heat, of which one has a sensor with an offset of its own: a step that parts them is sought with the
+    /// quantities of that rival.
+    #[test]
+    #[ignore = "a minute: a whole diagnosis of a transient"]
+    fn a_step_between_rivals_with_other_sensors_is_judged() {
+        let outcome = bmv::twin::drawn_case(&catalogue(), &bmv::twin::finer(79), 103, 79);
+        assert!(outcome.answer.is_some(), "{:?}", outcome.reason);
+    }
 }

@@ -77,14 +77,19 @@ fn check(pairs: u64, level: f64, most: u32) {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn p_values_are_no_smaller_than_chance_allows() {
     // 4 expected of 400; more than 12 have a probability of 3e-4.
     check(400, 0.01, 12);
 }
 
-#[test]
-#[ignore = "nightly: 20,000 pairs of runs of each kind"]
-fn far_out_in_the_tail_p_values_are_no_smaller_than_twice_what_chance_allows() {
-    // 20 expected of 20,000 at 1e-3; 40 are twice the level.
-    check(20_000, 1e-3, 40);
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly: 20,000 pairs of runs of each kind"]
+    fn far_out_in_the_tail_p_values_are_no_smaller_than_twice_what_chance_allows() {
+        // 20 expected of 20,000 at 1e-3; 40 are twice the level.
+        check(20_000, 1e-3, 40);
+    }
 }

@@ -120,6 +120,7 @@ fn heat_that_sets_in_during_a_transient_is_dated_within_three_rows() {
 
 /// As much as the noise's standard deviation. Heat of the box' own from then on looks much like it.
 #[test]
+#[ignore = "thorough"]
 fn a_small_jump_of_a_sensor_in_a_transient_is_dated_wherever_it_is() {
     for date_s in [2420.0, 4820.0, 5630.0] {
         let (_, output) = transient(date_s, 0.0, 0.2);
@@ -167,6 +168,7 @@ fn has_event(problem: &Problem) -> bool {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_joint_that_changes_at_the_same_time_into_every_run_has_that_time() {
     let (problem, output) = runs(&[8.0, 14.0, 20.0], 1.5, "");
     assert!(problem.candidates.iter().any(|own| own.id == "event-load:plate"), "what competes with it");
@@ -188,6 +190,7 @@ fn runs_with_nothing_missing_lack_no_event_and_a_single_run_has_no_candidate_of_
 
 /// What is adopted acts in a single run too.
 #[test]
+#[ignore = "thorough"]
 fn nothing_is_missing_beside_an_adopted_event() {
     let adopt = r#""venting": {"effect": {"event-conductance": {"where": "feet"}}, "because": "air is let in"}"#;
     for powers in [&[8.0, 14.0][..], &[14.0]] {

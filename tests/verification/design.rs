@@ -117,22 +117,13 @@ fn one_experiment(how: &str, seeds: u64, most: usize) -> f64 {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn one_experiment_is_that_of_huan_and_marzouk() {
     one_experiment(r#", "outer": 512, "inner": 256"#, 4, 0);
     // Acceptance check 4 asks for 0.05 nats with 4000 samples.
     let farthest = one_experiment(r#", "outer": 2048, "inner": 1024"#, 1, 0);
     assert!(farthest < 0.05, "{farthest}");
     one_experiment(r#", "outer": 512, "inner": 256, "estimator": "importance""#, 1, 0);
-}
-
-#[test]
-#[ignore = "nightly: many seeds, eight times the samples"]
-fn one_experiment_converges() {
-    // A chance of 0.27 % for each of 100 seeds, of perhaps three times that over all d: more than 3 happen once in 100 runs.
-    one_experiment(r#", "outer": 1024, "inner": 512"#, 100, 3);
-    one_experiment(r#", "outer": 16384, "inner": 8192"#, 2, 0);
-    // As above: more than 2 of 20 happen once in 1000 runs.
-    one_experiment(r#", "outer": 16384, "draws": 64, "estimator": "importance""#, 20, 2);
 }
 
 fn short_prior(how: &str) {
@@ -167,13 +158,6 @@ fn two_experiments(how: &str) {
 #[test]
 fn two_experiments_are_those_of_huan_and_marzouk() {
     two_experiments(r#", "outer": 1024, "inner": 512"#);
-}
-
-#[test]
-#[ignore = "nightly: eight times the samples, both priors"]
-fn two_experiments_converge() {
-    two_experiments(r#", "outer": 16384, "inner": 8192"#);
-    short_prior(r#", "outer": 16384, "inner": 8192"#);
 }
 
 #[test]
@@ -215,6 +199,7 @@ fn linear(how: &str) -> Output {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn linear_models_with_normal_priors_are_exact() {
     for (learn, learn_all) in [(r#"["a", "b", "c"]"#, true), (r#"["a", "b"]"#, false)] {
         for estimator in ["nested", "importance", "laplace", "linear"] {
@@ -248,6 +233,7 @@ fn sharp_exact(x: f64, sigma: f64, learns_c: bool) -> f64 {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn any_noise_has_an_estimator_that_is_right_and_names_the_best() {
     for (learn, learns_c) in [(r#"["a", "b", "c"]"#, true), (r#"["a", "b"]"#, false)] {
         let mut used = Vec::new();
@@ -325,6 +311,7 @@ fn a_constant_error_of_a_sensor_is_a_nuisance_that_phases_share() {
 /// Between the values of a coarse grid lies what is best: `U = 1/2 ln(1 + (10 sin(2 x) (1 - (y - 0.3)^2))^2)` is largest at
 /// `x = pi / 4`, `y = 0.3`.
 #[test]
+#[ignore = "thorough"]
 fn a_search_finds_the_optimum_between_the_values_of_the_grid() {
     let model = r#"{"format": "bmv-network/1", "title": "a known optimum",
      "inputs": {"x": {"unit": "1", "nominal": 1, "range": [0, 2]}, "y": {"unit": "1", "nominal": 0, "range": [0, 1]}},
@@ -347,6 +334,7 @@ fn a_search_finds_the_optimum_between_the_values_of_the_grid() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_search_finds_the_optimum_of_huan_and_marzouk() {
     // With the short prior it lies at 0.2, where U has a corner: 2.4075 (printed to four decimals).
     let pass = huan(r#"{"d": [0, 0.35, 0.7, 1]}"#, r#", "outer": 1024, "inner": 512, "search": 16"#);
@@ -359,6 +347,7 @@ fn a_search_finds_the_optimum_of_huan_and_marzouk() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn errors_of_inputs_count() {
     // y = a + x + error, z = x + error: what errs in x is the same in both. Its constant part (variance 0.25) is one for all
     // phases, the rest (0.09) new in each. Exact by determinants of the readings' covariance with and without a.
@@ -516,14 +505,7 @@ fn coupon(pass: &Pass, how: Spec, most: f64) {
 }
 
 #[test]
-#[ignore = "nightly: enough draws for importance sampling"]
-fn the_coupon_of_the_radiator_by_importance_sampling() {
-    let pass = radiator();
-    let how = Spec { outer: 1024, pick: 1, draws: 512, estimator: Estimator::Importance, ..settings(&pass) };
-    coupon(&pass, how, 0.03);
-}
-
-#[test]
+#[ignore = "thorough"]
 fn the_coupon_of_the_radiator_tells_what_quadrature_says() {
     let pass = radiator();
     let quick = Spec { outer: 1024, inner: 512, pick: 1, ..settings(&pass) };
@@ -564,6 +546,7 @@ const CHAMBER: [[f64; 5]; 3] =
     [[0.28, 1.13, 2.85, 3.70, 4.49], [0.11, 0.66, 2.31, 3.25, 4.12], [0.61, 0.93, 1.82, 2.82, 3.78]];
 
 #[test]
+#[ignore = "thorough"]
 fn the_chamber_of_the_monitor_tells_more_with_the_cooler_at_work() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/sxm/pass-1.json");
     let Ok(pass) = bmv::job::load(&file) else { panic!("the monitor loads") };
@@ -573,5 +556,34 @@ fn the_chamber_of_the_monitor_tells_more_with_the_cooler_at_work() {
         let (found, margin) = value(candidate);
         // Three standard errors of the reference beside ours.
         assert!((found - reference).abs() < margin + 0.09, "{candidate:?}: {reference} {margin}");
+    }
+}
+
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "nightly: many seeds, eight times the samples"]
+    fn one_experiment_converges() {
+        // A chance of 0.27 % for each of 100 seeds, of perhaps three times that over all d: more than 3 happen once in 100 runs.
+        one_experiment(r#", "outer": 1024, "inner": 512"#, 100, 3);
+        one_experiment(r#", "outer": 16384, "inner": 8192"#, 2, 0);
+        // As above: more than 2 of 20 happen once in 1000 runs.
+        one_experiment(r#", "outer": 16384, "draws": 64, "estimator": "importance""#, 20, 2);
+    }
+
+    #[test]
+    #[ignore = "nightly: eight times the samples, both priors"]
+    fn two_experiments_converge() {
+        two_experiments(r#", "outer": 16384, "inner": 8192"#);
+        short_prior(r#", "outer": 16384, "inner": 8192"#);
+    }
+
+    #[test]
+    #[ignore = "nightly: enough draws for importance sampling"]
+    fn the_coupon_of_the_radiator_by_importance_sampling() {
+        let pass = radiator();
+        let how = Spec { outer: 1024, pick: 1, draws: 512, estimator: Estimator::Importance, ..settings(&pass) };
+        coupon(&pass, how, 0.03);
     }
 }

@@ -51,6 +51,7 @@ fn diagnosed(lamp: impl Fn(f64) -> f64, heater: impl Fn(f64, f64) -> f64) -> Out
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_lamp_whose_heat_grows_with_the_square_of_its_voltage_is_named() {
     let output = diagnosed(|u| 0.06 * u * u, |p, _| p);
     assert_eq!(output.selected.first().map(String::as_str), Some("joule-heating:box:U"), "{:?}", output.words);

@@ -68,6 +68,7 @@ fn is_found(output: &Output, id: &str, amplitude: &str, truth: f64) {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_heater_that_warms_up_first_is_named() {
     let output = diagnosed(Some([80.0, 0.4]), 0.0);
     assert_eq!(output.selected, ["heater-capacity:heater"], "{:?}", output.words);
@@ -77,6 +78,7 @@ fn a_heater_that_warms_up_first_is_named() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_sensor_beside_the_heater_is_named() {
     let output = diagnosed(None, 0.1);
     assert_eq!(output.selected, ["sensor-gradient:plate:Q"], "{:?}", output.words);

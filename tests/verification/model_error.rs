@@ -84,6 +84,7 @@ fn an_effect_is_found_beside_a_model_error_whose_size_is_named() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn where_no_effect_explains_a_misfit_the_model_error_is_called_unexplained() {
     let output = diagnosed(0.0, MODEL_ERROR_K, None);
     assert_eq!((output.verdict, output.selected.len()), (Verdict::Unexplained, 0), "{:?}", output.words);
@@ -95,6 +96,7 @@ fn where_no_effect_explains_a_misfit_the_model_error_is_called_unexplained() {
 
 /// A reading of 4 K beside all others, with noise as it is stated.
 #[test]
+#[ignore = "thorough"]
 fn a_reading_that_stands_out_is_left_out_and_the_effect_is_identified() {
     let output = diagnosed(0.1, 0.1, Some((5, 1, 4.0)));
     let faults = |output: &Output| -> Vec<String> {

@@ -207,6 +207,7 @@ fn the_campaign_with_the_current_is_made_again_byte_for_byte() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn the_deck_may_be_as_warm_as_the_priors_allow() {
     let pass = study("pass-1.json");
     let job = Propagate::new(propagation(&pass), Arc::new(pass.model.clone()), pass.priors.clone(), pass.seed, "prior");

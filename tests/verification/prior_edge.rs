@@ -10,6 +10,7 @@ use bmv::random::StreamKey;
 /// Beside the battery's path alone the board's conductor is at its upper bound of 0.5 W/K (0.398 is true), where no second
 /// effect stands out; with both it comes back, and the sum of squares falls by 27.
 #[test]
+#[ignore = "thorough"]
 fn what_a_bound_hides_is_found_where_the_parameters_were_believed_to_be() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/two_paths/pass-1.json");
     let pass = bmv::job::load(&file).unwrap_or_else(|wrong| panic!("{}", wrong.render(false, 20)));

@@ -145,6 +145,7 @@ fn probability_of_a_cool_radiator_by_area() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn sizes_by_probability_before_and_after_a_measurement_of_the_emittance() {
     let pass = radiator();
     let size = |areas: &[f64], priors: Vec<Distribution>| {

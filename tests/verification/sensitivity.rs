@@ -78,40 +78,6 @@ fn indices_of_known_functions() {
 }
 
 #[test]
-#[ignore = "fifty seeds of a million solves each; nightly"]
-fn indices_of_known_functions_over_fifty_seeds() {
-    for function in ["ishigami", "sobol-g"] {
-        let errors: Vec<f64> = (0..50).map(|seed| worst(&estimates(function, 1 << 14, seed))).collect();
-        assert!(errors.iter().all(|&error| error < 2.5e-3), "{function}: {errors:?}");
-        assert!(errors.iter().filter(|&&error| error < 1e-3).count() >= 45, "{function}: {errors:?}");
-        for seed in 0..5 {
-            let error = worst(&estimates(function, 1 << 16, seed));
-            assert!(error < 5e-4, "{function}, seed {seed}: {error}");
-        }
-    }
-}
-
-#[test]
-#[ignore = "two hundred seeds; nightly"]
-fn intervals_cover_what_they_say() {
-    let (mut held, mut all) = (0, 0);
-    for function in ["ishigami", "sobol-g"] {
-        let count = 2 * exact(function)[0].len();
-        let mut covered = vec![0; count];
-        for seed in 0..200 {
-            for (covered, (found, exact)) in covered.iter_mut().zip(estimates(function, 1 << 12, seed)) {
-                *covered += u32::from(found.lower <= exact && exact <= found.upper);
-            }
-        }
-        assert!(covered.iter().all(|&n| n >= 176), "{function}: {covered:?}");
-        held += covered.iter().sum::<u32>();
-        all += 200 * count as u32;
-    }
-    let share = f64::from(held) / f64::from(all);
-    assert!((0.93..=0.985).contains(&share), "{share}");
-}
-
-#[test]
 fn effects_of_pairs() {
     let pass = load("tests/verification/ishigami/pass-1.json");
     let spec = Spec { samples: 1 << 11, second_order: true, ..spec(&pass) };
@@ -235,12 +201,6 @@ fn monitor_is_led_by_the_housing_joint() {
 }
 
 #[test]
-#[ignore = "a million solves; nightly"]
-fn monitor_is_led_by_the_housing_joint_to_a_hundredth() {
-    monitor(1 << 14);
-}
-
-#[test]
 fn main_effects_come_with_a_propagation() {
     let pass = load("studies/radiator/pass-1.json");
     let spec = super::radiator::propagation(&pass);
@@ -256,5 +216,49 @@ fn main_effects_come_with_a_propagation() {
     for (name, golden) in [("eps", 0.676), ("Q", 0.1875), ("alpha", 0.108), ("q_alb", 0.0007)] {
         let found = effect(name);
         assert!((found.value - golden).abs() < 0.001, "{name}: {found:?}");
+    }
+}
+
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "fifty seeds of a million solves each; nightly"]
+    fn indices_of_known_functions_over_fifty_seeds() {
+        for function in ["ishigami", "sobol-g"] {
+            let errors: Vec<f64> = (0..50).map(|seed| worst(&estimates(function, 1 << 14, seed))).collect();
+            assert!(errors.iter().all(|&error| error < 2.5e-3), "{function}: {errors:?}");
+            assert!(errors.iter().filter(|&&error| error < 1e-3).count() >= 45, "{function}: {errors:?}");
+            for seed in 0..5 {
+                let error = worst(&estimates(function, 1 << 16, seed));
+                assert!(error < 5e-4, "{function}, seed {seed}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    #[ignore = "two hundred seeds; nightly"]
+    fn intervals_cover_what_they_say() {
+        let (mut held, mut all) = (0, 0);
+        for function in ["ishigami", "sobol-g"] {
+            let count = 2 * exact(function)[0].len();
+            let mut covered = vec![0; count];
+            for seed in 0..200 {
+                for (covered, (found, exact)) in covered.iter_mut().zip(estimates(function, 1 << 12, seed)) {
+                    *covered += u32::from(found.lower <= exact && exact <= found.upper);
+                }
+            }
+            assert!(covered.iter().all(|&n| n >= 176), "{function}: {covered:?}");
+            held += covered.iter().sum::<u32>();
+            all += 200 * count as u32;
+        }
+        let share = f64::from(held) / f64::from(all);
+        assert!((0.93..=0.985).contains(&share), "{share}");
+    }
+
+    #[test]
+    #[ignore = "a million solves; nightly"]
+    fn monitor_is_led_by_the_housing_joint_to_a_hundredth() {
+        monitor(1 << 14);
     }
 }

@@ -52,6 +52,7 @@ fn diagnosed(lag_s: f64) -> Output {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_lag_of_all_thermometers_is_one_effect() {
     let output = diagnosed(25.0);
     assert_eq!(output.selected, ["sensor-lag:all thermometers"], "{:?}", output.words);

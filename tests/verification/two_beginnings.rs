@@ -60,6 +60,7 @@ fn diagnosed() -> Output {
 
 /// A loss that grows with its current from nothing on is one with the square of it.
 #[test]
+#[ignore = "thorough"]
 fn a_story_begins_where_it_leads_further() {
     let output = diagnosed();
     let of_square = |id: &String| ["joule-heating:cell:I", "input-dependent-load:loss:I"].contains(&id.as_str());

@@ -49,6 +49,7 @@ fn diagnosed() -> Output {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_store_of_heat_is_named_beside_surroundings_that_nothing_logged_keeps_warm() {
     let output = diagnosed();
     let find = |id: &str| output.effects.iter().find(|own| own.id == id);

@@ -61,6 +61,7 @@ fn like_leaves_of_a_hub_are_told_apart_by_their_temperatures() {
 
 /// A path of the twin that is found among all places is found by representatives and their neighbours, with the same size.
 #[test]
+#[ignore = "thorough"]
 fn few_representatives_lead_to_what_all_places_show() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let request =

@@ -49,6 +49,7 @@ fn a_set_that_held_out_rows_reject_gives_way_to_one_that_they_accept_unless_the_
 /// The fitted rows prefer a step of the conductance with an input by a factor of a hundred; the held-out rows, where that is the same
 /// as at first, still have what the sensor is off by.
 #[test]
+#[ignore = "thorough"]
 fn the_held_out_rows_tell_a_sensor_that_jumped_from_a_step_with_an_input() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let mut problem = case(&catalogue, &dated(119), 157, 119).unwrap().problem;

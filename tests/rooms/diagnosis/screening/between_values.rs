@@ -11,6 +11,7 @@ use std::sync::Arc;
 /// All effects are tried at dates 24 minutes apart, in 6 hours of rows to fit. The parameters take up what the jump of a sensor does,
 /// but for the rows near it: twelve minutes off, it explains less than many other effects do.
 #[test]
+#[ignore = "thorough"]
 fn a_jump_that_the_parameters_nearly_take_up_leads_with_its_date() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let drawn = case(&catalogue, &dated(227), 157, 227).unwrap();

@@ -237,14 +237,9 @@ fn members_of_all_kinds_together_agree_with_counting() {
     mixed(1500);
 }
 
-#[test]
-#[ignore = "a hundred thousand null data sets"]
-fn members_of_all_kinds_together_agree_with_long_counting() {
-    mixed(100_000);
-}
-
 /// Many dependent directions against counting 100 000 null vectors: their common error is some 3 %.
 #[test]
+#[ignore = "thorough"]
 fn many_random_members_agree_with_counting() {
     let mut stream = stream("many", 0);
     let rows = 12;
@@ -273,6 +268,7 @@ fn many_random_members_agree_with_counting() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn under_the_null_the_probability_is_uniform() {
     let mut stream = stream("uniform", 0);
     let rows = 30;
@@ -312,4 +308,14 @@ fn critical_probabilities_and_detectable_amplitudes() {
     // With that amplitude nine scores of ten are beyond.
     let power = normal_cdf(3.0 * amplitude - c);
     assert!((power - 0.9).abs() < 3e-3);
+}
+
+mod nightly {
+    use super::*;
+
+    #[test]
+    #[ignore = "a hundred thousand null data sets"]
+    fn members_of_all_kinds_together_agree_with_long_counting() {
+        mixed(100_000);
+    }
 }

@@ -184,34 +184,6 @@ fn two_hundred_points_have_the_likelihood_of_the_peer() {
     }
 }
 
-/// Seconds of that fit; to be held against `d_gp.py` on the same machine.
-#[test]
-#[ignore = "measures time"]
-fn seconds_of_two_hundred_points() {
-    let training = two_hundred();
-    let form = Form { kernel: Some(Kernel::SquaredExponential), trend: Trend::None, scatter: true };
-    let bounds: Vec<[f64; 2]> =
-        [[1e-3, 1e3], [1e-2, 1e2], [1e-2, 1e2], [1e-2, 1e2], [1e-8, 1e1]].map(|b| b.map(ln)).to_vec();
-    let start = vec![0.0, ln(0.5), ln(0.5), ln(0.5), ln(1e-3)];
-    let mut gradient = [0.0; 5];
-    for (what, further) in [("one start", 0), ("six starts", 5)] {
-        let search = Search { bounds: bounds.clone(), start: start.clone(), further };
-        let mut least = f64::INFINITY;
-        let mut last = None;
-        for _ in 0..5 {
-            let before = std::time::Instant::now();
-            last = fit(&training, &form, &search, &key()).ok();
-            least = least.min(before.elapsed().as_secs_f64());
-        }
-        println!("{what}: {least} s, {last:?}");
-    }
-    let before = std::time::Instant::now();
-    for _ in 0..20 {
-        with_gradient(&training, &form, &start, &mut gradient).expect("a value");
-    }
-    println!("likelihood with gradient: {} s", before.elapsed().as_secs_f64() / 20.0);
-}
-
 #[test]
 fn what_no_process_fits_is_refused_in_words() {
     let form = Form { kernel: Some(Kernel::SquaredExponential), trend: Trend::None, scatter: false };
@@ -297,21 +269,9 @@ fn is_covered((inside, count): (u64, u64)) -> bool {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn intervals_cover_new_values_of_drawn_processes() {
     assert!(is_covered(covered(40, true)));
-}
-
-/// Hyperparameters of the highest likelihood leave out what is not known of them: their coverage is low, that of drawn ones
-/// is not.
-#[test]
-#[ignore = "minutes"]
-fn intervals_cover_new_values_of_many_drawn_processes() {
-    let (inside, count) = covered(1000, false);
-    println!("fitted: {inside} of {count}");
-    assert!(inside as f64 > 0.75 * count as f64);
-    let sampled = covered(1000, true);
-    println!("drawn: {sampled:?}");
-    assert!(is_covered(sampled));
 }
 
 #[test]
@@ -333,4 +293,49 @@ fn values_left_out_prefer_the_form_that_made_them() {
     let scattered: Vec<f64> = (0..30).map(|_| stream.normal()).collect();
     assert!(score(&smooth, process) > score(&smooth, law) + 20.0);
     assert!(score(&scattered, process) < score(&scattered, law) + 1.0);
+}
+
+mod nightly {
+    use super::*;
+
+    /// Seconds of that fit; to be held against `d_gp.py` on the same machine.
+    #[test]
+    #[ignore = "measures time"]
+    fn seconds_of_two_hundred_points() {
+        let training = two_hundred();
+        let form = Form { kernel: Some(Kernel::SquaredExponential), trend: Trend::None, scatter: true };
+        let bounds: Vec<[f64; 2]> =
+            [[1e-3, 1e3], [1e-2, 1e2], [1e-2, 1e2], [1e-2, 1e2], [1e-8, 1e1]].map(|b| b.map(ln)).to_vec();
+        let start = vec![0.0, ln(0.5), ln(0.5), ln(0.5), ln(1e-3)];
+        let mut gradient = [0.0; 5];
+        for (what, further) in [("one start", 0), ("six starts", 5)] {
+            let search = Search { bounds: bounds.clone(), start: start.clone(), further };
+            let mut least = f64::INFINITY;
+            let mut last = None;
+            for _ in 0..5 {
+                let before = std::time::Instant::now();
+                last = fit(&training, &form, &search, &key()).ok();
+                least = least.min(before.elapsed().as_secs_f64());
+            }
+            println!("{what}: {least} s, {last:?}");
+        }
+        let before = std::time::Instant::now();
+        for _ in 0..20 {
+            with_gradient(&training, &form, &start, &mut gradient).expect("a value");
+        }
+        println!("likelihood with gradient: {} s", before.elapsed().as_secs_f64() / 20.0);
+    }
+
+    /// Hyperparameters of the highest likelihood leave out what is not known of them: their coverage is low, that of drawn ones
+    /// is not.
+    #[test]
+    #[ignore = "minutes"]
+    fn intervals_cover_new_values_of_many_drawn_processes() {
+        let (inside, count) = covered(1000, false);
+        println!("fitted: {inside} of {count}");
+        assert!(inside as f64 > 0.75 * count as f64);
+        let sampled = covered(1000, true);
+        println!("drawn: {sampled:?}");
+        assert!(is_covered(sampled));
+    }
 }

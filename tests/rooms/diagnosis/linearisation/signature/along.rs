@@ -15,6 +15,7 @@ const MOST_OFF: f64 = 0.03;
 /// The responses along the course are those of a model that holds the effects: steps of the rows' length tell them to a few
 /// per cent.
 #[test]
+#[ignore = "thorough"]
 fn responses_are_the_sensitivities_of_a_model_with_the_effects() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let recipe = Recipe::of(Topology::Star, TestKind::Orbit, InjectionRequest::default());
