@@ -10,7 +10,7 @@ test:
 
 # tests of a second and more each, which the gate runs too
 thorough:
-    cargo test --test main -- --ignored --skip nightly::
+    cargo test -- --ignored --skip nightly::
 
 # the gate
 ci:

@@ -558,11 +558,33 @@ impl Diagnosis {
                 let least = logs[end] + least_lead(more > 0, displaces_surface);
                 let place = place.filter(|&place| logs[place] > best.map_or(least, |best| logs[best.0].max(least)));
                 if let Some(place) = place {
-                    best = Some((place, number + 1));
+                    best = Some((self.with_surface(state, logs, least, place, other.effect), number + 1));
                 }
             }
         }
         best
+    }
+
+    /// The set with a whole surface in the place of a single place of it, where the surface explains as much and errs hardly more on
+    /// unseen rows; the set itself where there is none. What it weighs has to be more than `least`.
+    fn with_surface(&self, state: &State, logs: &Logs, least: f64, place: usize, single: usize) -> usize {
+        let candidates = &self.problem().candidates;
+        let own = &state.refits[place].effects;
+        let explains_alike = |&other: &usize| {
+            let effects = &state.refits[other].effects;
+            let surface = effects.iter().find(|one| !own.contains(one));
+            let is_in_its_place = effects.len() == own.len()
+                && own.iter().all(|one| *one == single || effects.contains(one))
+                && surface.is_some_and(|&surface| {
+                    candidates[surface].is_group() && !candidates[surface].is_elsewhere_than(&candidates[single])
+                });
+            is_in_its_place
+                && logs[other] > least.max(logs[place] - CLEARLY)
+                && !rises(unseen(&state.refits[place], &state.refits[other]))
+        };
+        let is_single = !candidates[single].is_group();
+        let surfaces = (0..logs.len()).filter(|other| is_single && explains_alike(other));
+        surfaces.reduce(|a, b| if logs[b] > logs[a] { b } else { a }).unwrap_or(place)
     }
 
     /// The story that leads to a set along others, as far as these were fitted.
