@@ -33,7 +33,7 @@ fn row(room: &str) -> Option<usize> {
 fn sources() -> Vec<(PathBuf, String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
-    for folder in ["core/src", "src"].map(|folder| root.join(folder)) {
+    for folder in ["core/src", "diagnosis/src", "src"].map(|folder| root.join(folder)) {
         for entry in walkdir::WalkDir::new(&folder).sort_by_file_name().into_iter().flatten() {
             let path = entry.path();
             if path.extension().is_none_or(|e| e != "rs") {
@@ -338,8 +338,8 @@ const ELEMENTS: &[(&str, &str)] = &[
 const MAKE_ELEMENTS: &[(&str, &str)] = &[
     ("core/src/thermal/element/mod.rs", "the list of kinds"),
     ("core/src/effect/apply/", "an effect adds paths and loads, cuts a conductor, changes a cooler"),
-    ("core/src/twin/", "draws networks, and hides what the model lacks"),
-    ("core/src/diagnosis/heat/sources.rs", "asks what heat a load in a node would have to bring"),
+    ("diagnosis/src/twin/", "draws networks, and hides what the model lacks"),
+    ("diagnosis/src/diagnosis/heat/sources.rs", "asks what heat a load in a node would have to bring"),
 ];
 
 #[test]
@@ -393,7 +393,7 @@ fn files_that_texts_name_are_there() {
         .map(walkdir::DirEntry::into_path)
         .collect();
     let names: BTreeSet<&std::ffi::OsStr> = files.iter().filter_map(|file| file.file_name()).collect();
-    let folders = ["", "core/src", "src", "core/src/diagnosis"].map(|folder| root.join(folder));
+    let folders = ["", "core/src", "diagnosis/src", "src", "diagnosis/src/diagnosis"].map(|folder| root.join(folder));
     let (mut wrong, mut seen) = (Vec::new(), 0);
     for file in &files {
         let relative = file.strip_prefix(root).expect("below the root");

@@ -1,10 +1,9 @@
 //! The physics and the statistics of `bmv`, and the documents that they are declared in.
 //!
 //! The rooms, each of which may use only those before it: `watch`, `math`, `random` and `expression`, `statistics`, `document`,
-//! `thermal`, `effect`, `measurement`, `inference`, `diagnosis`, `twin`. What is above them (jobs, studies, the runner, reports, the command line) is
-//! the crate `bmv`, which shows these rooms as its own.
+//! `thermal`, `effect`, `measurement`, `inference`. Above them are the crate `bmv-diagnosis` and the crate `bmv` (jobs, studies, the
+//! runner, reports, the command line), which shows these rooms as its own.
 
-pub mod diagnosis;
 pub mod document;
 pub mod effect;
 pub mod expression;
@@ -14,5 +13,4 @@ pub mod measurement;
 pub mod random;
 pub mod statistics;
 pub mod thermal;
-pub mod twin;
 pub mod watch;

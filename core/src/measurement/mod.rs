@@ -328,6 +328,23 @@ impl Measurement {
         }
     }
 
+    /// Gives a node that was added a start temperature: that of its host.
+    pub fn begin_like(&mut self, node: usize, host: usize) {
+        if let Rows::Transient { initial: Initial::Temperatures { values, shared, balanced }, .. } = &mut self.rows
+            && let Some(value) = values.get(host).cloned()
+        {
+            if shared.contains(&host) {
+                shared.push(node);
+            }
+            if balanced.contains(&host) {
+                balanced.push(node);
+            }
+            // Boundaries that effects added before it have no start temperature.
+            values.resize(node.max(values.len()), Uncertain::Known(0.0));
+            values.push(value);
+        }
+    }
+
     /// Changes what sensors read, as an effect on them does; `nominal` is the nominal time constant of a lag, s. A
     /// sensor that has a lag already gets the new one.
     pub fn change_sensors(&mut self, change: &SensorChange, nominal: f64) {

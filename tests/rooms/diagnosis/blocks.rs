@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/blocks.rs`.
+//! Tests of `diagnosis/src/diagnosis/blocks.rs`.
 
 use bmv::diagnosis::blocks::of_held_out;
 use bmv::math::functions::ln;

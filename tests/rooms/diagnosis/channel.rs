@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/channel.rs`.
+//! Tests of `diagnosis/src/diagnosis/channel.rs`.
 
 use bmv::diagnosis::channel::{frozen, input_steps, resolution, spikes, stuck};
 use bmv::math::functions::{exp, sin};

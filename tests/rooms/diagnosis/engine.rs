@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/engine.rs`.
+//! Tests of `diagnosis/src/diagnosis/engine.rs`.
 
 use bmv::diagnosis::Settings;
 use bmv::diagnosis::engine::{Diagnosis, FitRequest, SensorNoise, State};

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/hypothesis.rs`.
+//! Tests of `diagnosis/src/diagnosis/hypothesis.rs`.
 
 use bmv::document::Diagnostics;
 use bmv::effect::{Catalogue, Site};

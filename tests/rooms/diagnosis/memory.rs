@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/memory.rs`.
+//! Tests of `diagnosis/src/diagnosis/memory.rs`.
 
 use bmv::diagnosis::memory::bytes;
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/places.rs`.
+//! Tests of `diagnosis/src/diagnosis/places.rs`.
 
 use bmv::diagnosis::Settings;
 use bmv::diagnosis::engine::Diagnosis;

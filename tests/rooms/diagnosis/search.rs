@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/search.rs`.
+//! Tests of `diagnosis/src/diagnosis/search.rs`.
 
 use bmv::diagnosis::Settings;
 use bmv::diagnosis::engine::{Diagnosis, Remainder, State};

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/story.rs`.
+//! Tests of `diagnosis/src/diagnosis/story.rs`.
 
 use bmv::diagnosis::story::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::{

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/thinned.rs`.
+//! Tests of `diagnosis/src/diagnosis/thinned.rs`.
 
 use bmv::diagnosis::thinned::*;
 use bmv::document::Diagnostics;

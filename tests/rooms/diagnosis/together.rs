@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/together.rs`.
+//! Tests of `diagnosis/src/diagnosis/together.rs`.
 
 use bmv::diagnosis::together::{Jump, shown_by};
 

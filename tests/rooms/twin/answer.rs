@@ -1,4 +1,4 @@
-//! Tests of `core/src/twin/answer.rs`.
+//! Tests of `diagnosis/src/twin/answer.rs`.
 
 use bmv::diagnosis::Verdict;
 use bmv::diagnosis::output::EffectResult;

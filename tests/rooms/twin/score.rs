@@ -1,4 +1,4 @@
-//! Tests of `core/src/twin/score.rs`.
+//! Tests of `diagnosis/src/twin/score.rs`.
 
 use bmv::diagnosis::Verdict;
 use bmv::math::functions::ln;

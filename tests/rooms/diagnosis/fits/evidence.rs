@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/fits/evidence.rs`.
+//! Tests of `diagnosis/src/diagnosis/fits/evidence.rs`.
 
 use crate::rooms::diagnosis::screening::fixture::{columns, problem, random_direction, stream};
 use bmv::diagnosis::fits::evidence::*;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/fits/exchange.rs`.
+//! Tests of `diagnosis/src/diagnosis/fits/exchange.rs`.
 
 use bmv::diagnosis::fits::exchange::*;
 use bmv::diagnosis::{Diagnosis, FitError, Settings};

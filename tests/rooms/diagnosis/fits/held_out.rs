@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/fits/held_out.rs`.
+//! Tests of `diagnosis/src/diagnosis/fits/held_out.rs`.
 
 use bmv::diagnosis::fits::held_out::*;
 use bmv::diagnosis::{Diagnosis, Settings};

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/fits/other_noise.rs`.
+//! Tests of `diagnosis/src/diagnosis/fits/other_noise.rs`.
 
 use bmv::diagnosis::fits::other_noise::*;
 use bmv::math::functions::{exp, ln};

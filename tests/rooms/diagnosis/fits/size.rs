@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/fits/size.rs`.
+//! Tests of `diagnosis/src/diagnosis/fits/size.rs`.
 
 use bmv::diagnosis::fits::refit::{Begin, Refit};
 use bmv::diagnosis::fits::size::*;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/heat/mod.rs`.
+//! Tests of `diagnosis/src/diagnosis/heat/mod.rs`.
 
 use bmv::diagnosis::fits::evidence::Evidence;
 use bmv::diagnosis::fits::refit::Begin;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/linearisation/between_rows.rs`.
+//! Tests of `diagnosis/src/diagnosis/linearisation/between_rows.rs`.
 
 use crate::rooms::diagnosis::screening::fixture::{columns, direction, stream};
 use bmv::diagnosis::Problem;

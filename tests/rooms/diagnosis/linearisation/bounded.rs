@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/linearisation/bounded.rs`.
+//! Tests of `diagnosis/src/diagnosis/linearisation/bounded.rs`.
 
 use crate::rooms::diagnosis::screening::fixture::enumerated;
 use bmv::diagnosis::linearisation::bounded::*;

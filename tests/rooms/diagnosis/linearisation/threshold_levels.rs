@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/linearisation/threshold_levels.rs`.
+//! Tests of `diagnosis/src/diagnosis/linearisation/threshold_levels.rs`.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/noise/estimate.rs`.
+//! Tests of `diagnosis/src/diagnosis/noise/estimate.rs`.
 
 use bmv::diagnosis::noise::estimate::*;
 use bmv::diagnosis::noise::restricted_likelihood::LinearFit;

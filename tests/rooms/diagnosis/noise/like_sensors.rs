@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/noise/like_sensors.rs`.
+//! Tests of `diagnosis/src/diagnosis/noise/like_sensors.rs`.
 
 use bmv::diagnosis::noise::like_sensors::*;
 use bmv::math::functions::{exp, ln};

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/noise/model_error.rs`.
+//! Tests of `diagnosis/src/diagnosis/noise/model_error.rs`.
 
 use bmv::diagnosis::noise::model_error::*;
 use bmv::random::StreamKey;

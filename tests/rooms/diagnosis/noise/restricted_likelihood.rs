@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/noise/restricted_likelihood.rs`.
+//! Tests of `diagnosis/src/diagnosis/noise/restricted_likelihood.rs`.
 
 use bmv::diagnosis::noise::estimate::{EstimatedNoise, SensorRows};
 use bmv::diagnosis::noise::restricted_likelihood::*;

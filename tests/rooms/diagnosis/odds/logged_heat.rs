@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/odds/logged_heat.rs`.
+//! Tests of `diagnosis/src/diagnosis/odds/logged_heat.rs`.
 
 use bmv::diagnosis::Problem;
 use bmv::diagnosis::odds::prior_odds::PriorOdds;

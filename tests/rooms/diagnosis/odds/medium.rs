@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/odds/medium.rs`.
+//! Tests of `diagnosis/src/diagnosis/odds/medium.rs`.
 
 use bmv::diagnosis::Problem;
 use bmv::diagnosis::odds::medium::*;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/odds/narrow_prior.rs`.
+//! Tests of `diagnosis/src/diagnosis/odds/narrow_prior.rs`.
 
 use bmv::diagnosis::odds::narrow_prior::*;
 use bmv::math::functions::ln;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/odds/posterior_odds.rs`.
+//! Tests of `diagnosis/src/diagnosis/odds/posterior_odds.rs`.
 
 use bmv::diagnosis::fits::refit::{Begin, HeldOut};
 use bmv::diagnosis::odds::posterior_odds::*;

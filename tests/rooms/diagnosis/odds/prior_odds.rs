@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/odds/prior_odds.rs`.
+//! Tests of `diagnosis/src/diagnosis/odds/prior_odds.rs`.
 
 use bmv::diagnosis::odds::prior_odds::*;
 use bmv::document::Diagnostics;

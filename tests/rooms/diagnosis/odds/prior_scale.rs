@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/odds/prior_scale.rs`.
+//! Tests of `diagnosis/src/diagnosis/odds/prior_scale.rs`.
 
 use bmv::diagnosis::odds::prior_scale::*;
 use bmv::math::cholesky;

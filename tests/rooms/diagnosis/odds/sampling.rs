@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/odds/sampling.rs`.
+//! Tests of `diagnosis/src/diagnosis/odds/sampling.rs`.
 
 use bmv::diagnosis::odds::sampling::{odds_by_chance, standard_error};
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/screening/between_values.rs`.
+//! Tests of `diagnosis/src/diagnosis/screening/between_values.rs`.
 
 use bmv::diagnosis::{Diagnosis, Settings};
 use bmv::document::Diagnostics;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/collinear.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/collinear.rs`.
 
 use bmv::diagnosis::verdict::collinear::*;
 use bmv::math::functions::{cos, sin};

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/discriminating_experiment.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/discriminating_experiment.rs`.
 
 use bmv::diagnosis::verdict::discriminating_experiment::*;
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/effect_words.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/effect_words.rs`.
 
 use bmv::diagnosis::output::{Amount, EffectHeat, EffectResult, Level, RmseChange};
 use bmv::diagnosis::verdict::effect_words::*;

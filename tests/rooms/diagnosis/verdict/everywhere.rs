@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/everywhere.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/everywhere.rs`.
 
 use bmv::diagnosis::verdict::everywhere::Everywhere;
 use bmv::random::StreamKey;

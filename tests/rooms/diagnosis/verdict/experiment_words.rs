@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/experiment_words.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/experiment_words.rs`.
 
 use bmv::diagnosis::verdict::experiment_words::*;
 use bmv::measurement::Rows;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/far_from_priors.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/far_from_priors.rs`.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/few_readings.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/few_readings.rs`.
 
 use bmv::diagnosis::Problem;
 use bmv::diagnosis::verdict::few_readings::*;

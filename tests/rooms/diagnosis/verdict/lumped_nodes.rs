@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/lumped_nodes.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/lumped_nodes.rs`.
 
 use bmv::diagnosis::verdict::lumped_nodes::*;
 use std::sync::Arc;

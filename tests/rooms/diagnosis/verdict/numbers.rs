@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/numbers.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/numbers.rs`.
 
 use bmv::diagnosis::verdict::numbers::*;
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/one_kind.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/one_kind.rs`.
 
 use bmv::diagnosis::Problem;
 use bmv::diagnosis::output::EffectResult;

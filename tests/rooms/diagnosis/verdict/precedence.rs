@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/precedence.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/precedence.rs`.
 
 use bmv::diagnosis::output::Precedence;
 use bmv::diagnosis::verdict::precedence::*;

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/selection.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/selection.rs`.
 
 use bmv::diagnosis::odds::posterior_odds::SetProbabilities;
 use bmv::diagnosis::verdict::selection::*;

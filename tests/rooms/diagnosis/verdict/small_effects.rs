@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/small_effects.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/small_effects.rs`.
 
 use std::sync::Arc;
 

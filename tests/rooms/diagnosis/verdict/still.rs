@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/still.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/still.rs`.
 
 use bmv::diagnosis::verdict::still::*;
 

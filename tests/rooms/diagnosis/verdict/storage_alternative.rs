@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/storage_alternative.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/storage_alternative.rs`.
 
 use bmv::diagnosis::verdict::storage_alternative::explains_as_much;
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/surroundings.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/surroundings.rs`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

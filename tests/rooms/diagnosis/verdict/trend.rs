@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/trend.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/trend.rs`.
 
 use bmv::diagnosis::verdict::trend::*;
 

@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/verdict/words.rs`.
+//! Tests of `diagnosis/src/diagnosis/verdict/words.rs`.
 
 use std::sync::Arc;
 

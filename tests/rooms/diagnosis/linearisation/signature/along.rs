@@ -1,4 +1,4 @@
-//! Tests of `core/src/diagnosis/linearisation/signature/along.rs`.
+//! Tests of `diagnosis/src/diagnosis/linearisation/signature/along.rs`.
 
 use bmv::diagnosis::linearisation::signature::along::*;
 use bmv::diagnosis::linearisation::signature::form::{Form, Forms};

@@ -9,7 +9,7 @@ use crate::effect::{
 };
 use crate::expression::{Dimension, Unit};
 use crate::inference::likelihood::{Definition, Likelihood};
-use crate::measurement::{Initial, Measurement, Uncertain};
+use crate::measurement::{Initial, Measurement, Rows, Uncertain};
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -114,7 +114,7 @@ impl Hypothesis {
             let is_free = |measured: &Measurement| is_unknown || measured.follows_gap;
             let measured = self.measurements.iter_mut().enumerate().filter(|(_, measured)| is_free(measured));
             for (measurement, measured) in measured {
-                let prior = measured.begin_free(node, model);
+                let prior = begin_free(measured, node, model);
                 let start = prior.map(|prior| InferredStart { effect, measurement, node, prior });
                 self.starts.extend(start);
             }
@@ -183,67 +183,44 @@ impl Hypothesis {
     }
 }
 
-impl Measurement {
-    /// Frees the start temperature of a node that was added, unless it is that of all: a part that a record finds at its host's
-    /// temperature is the exception. A part without a source of its own follows what surrounds it, later than that does: it stays
-    /// between the temperatures that the record shows, and the less its surroundings differ at the start, the nearer to them it is.
-    /// The prior, K, where it is freed.
-    fn begin_free(&mut self, node: usize, model: &Model) -> Option<Distribution> {
-        let width = self.sensors.len().max(1);
-        let is_temperature = |sensor: usize| {
-            let quantity = self.sensors.get(sensor).and_then(|sensor| model.quantities.get(sensor.quantity));
-            quantity.is_some_and(|quantity| quantity.unit == "K")
-        };
-        let readings = self.readings.iter().enumerate().filter(|(at, _)| is_temperature(at % width));
-        let mut shown: Vec<f64> = readings.filter_map(|(_, reading)| *reading).collect();
-        let of_readings = shown.iter().sum::<f64>() / shown.len().max(1) as f64;
-        let spread_shown = spread_about(of_readings, &shown);
-        let range =
-            |of: &[f64]| [of.iter().copied().fold(f64::INFINITY, f64::min), of.iter().copied().fold(0.0, f64::max)];
-        let mut at_start = medium::surroundings_at_start(model, self);
-        let crate::measurement::Rows::Transient { initial, inputs, .. } = &mut self.rows else { return None };
-        let Initial::Temperatures { values, shared, balanced } = initial else { return None };
-        if shared.contains(&node) || balanced.contains(&node) {
-            return None;
-        }
-        let mean = values.get(node)?.nominal();
-        shown.push(mean);
-        // Boundaries have no start of their own. Space is no neighbour of what is inside: what no thermometer shows counts as the
-        // nearest that one does.
-        let [coldest, warmest] = range(&shown);
-        at_start.extend(values.iter().map(Uncertain::nominal).filter(|start| *start > 0.0));
-        at_start.iter_mut().for_each(|temperature| *temperature = temperature.clamp(coldest, warmest));
-        let columns = inputs.columns.iter();
-        let of_temperature =
-            columns.filter(|column| model.inputs.get(column.input).is_some_and(medium::is_temperature));
-        shown.extend(of_temperature.flat_map(|column| column.values.iter().copied()));
-        let [least, most] = range(&shown);
-        let [around, before] = [spread_about(mean, &at_start), SHARE_OF_SPREAD * spread_shown];
-        let sd = (around * around + before * before).sqrt().min(spread_shown).max(LEAST_SPREAD_OF_STARTS_K);
-        let (lower, upper) = (Some((least - LEAST_SPREAD_OF_STARTS_K).max(0.0)), Some(most + LEAST_SPREAD_OF_STARTS_K));
-        let prior = Distribution::Normal { mean, sd, lower, upper };
-        *values.get_mut(node)? = Uncertain::Inferred(prior);
-        Some(prior)
+/// Frees the start temperature of a node that was added to a model in a measurement, unless it is that of all: a part that a record finds at its host's
+/// temperature is the exception. A part without a source of its own follows what surrounds it, later than that does: it stays
+/// between the temperatures that the record shows, and the less its surroundings differ at the start, the nearer to them it is.
+/// The prior, K, where it is freed.
+fn begin_free(measured: &mut Measurement, node: usize, model: &Model) -> Option<Distribution> {
+    let width = measured.sensors.len().max(1);
+    let is_temperature = |sensor: usize| {
+        let quantity = measured.sensors.get(sensor).and_then(|sensor| model.quantities.get(sensor.quantity));
+        quantity.is_some_and(|quantity| quantity.unit == "K")
+    };
+    let readings = measured.readings.iter().enumerate().filter(|(at, _)| is_temperature(at % width));
+    let mut shown: Vec<f64> = readings.filter_map(|(_, reading)| *reading).collect();
+    let of_readings = shown.iter().sum::<f64>() / shown.len().max(1) as f64;
+    let spread_shown = spread_about(of_readings, &shown);
+    let range = |of: &[f64]| [of.iter().copied().fold(f64::INFINITY, f64::min), of.iter().copied().fold(0.0, f64::max)];
+    let mut at_start = medium::surroundings_at_start(model, measured);
+    let Rows::Transient { initial, inputs, .. } = &mut measured.rows else { return None };
+    let Initial::Temperatures { values, shared, balanced } = initial else { return None };
+    if shared.contains(&node) || balanced.contains(&node) {
+        return None;
     }
-
-    /// Gives a node that was added a start temperature: that of its host.
-    pub(crate) fn begin_like(&mut self, node: usize, host: usize) {
-        if let crate::measurement::Rows::Transient {
-            initial: Initial::Temperatures { values, shared, balanced }, ..
-        } = &mut self.rows
-            && let Some(value) = values.get(host).cloned()
-        {
-            if shared.contains(&host) {
-                shared.push(node);
-            }
-            if balanced.contains(&host) {
-                balanced.push(node);
-            }
-            // Boundaries that effects added before it have no start temperature.
-            values.resize(node.max(values.len()), Uncertain::Known(0.0));
-            values.push(value);
-        }
-    }
+    let mean = values.get(node)?.nominal();
+    shown.push(mean);
+    // Boundaries have no start of their own. Space is no neighbour of what is inside: what no thermometer shows counts as the
+    // nearest that one does.
+    let [coldest, warmest] = range(&shown);
+    at_start.extend(values.iter().map(Uncertain::nominal).filter(|start| *start > 0.0));
+    at_start.iter_mut().for_each(|temperature| *temperature = temperature.clamp(coldest, warmest));
+    let columns = inputs.columns.iter();
+    let of_temperature = columns.filter(|column| model.inputs.get(column.input).is_some_and(medium::is_temperature));
+    shown.extend(of_temperature.flat_map(|column| column.values.iter().copied()));
+    let [least, most] = range(&shown);
+    let [around, before] = [spread_about(mean, &at_start), SHARE_OF_SPREAD * spread_shown];
+    let sd = (around * around + before * before).sqrt().min(spread_shown).max(LEAST_SPREAD_OF_STARTS_K);
+    let (lower, upper) = (Some((least - LEAST_SPREAD_OF_STARTS_K).max(0.0)), Some(most + LEAST_SPREAD_OF_STARTS_K));
+    let prior = Distribution::Normal { mean, sd, lower, upper };
+    *values.get_mut(node)? = Uncertain::Inferred(prior);
+    Some(prior)
 }
 
 /// Root mean square distance of temperatures from one of them, K; 0 without any.

@@ -1,0 +1,8 @@
+//! Which effects a model lacks: the rooms `diagnosis`, and above it `twin`, cases whose truth is known.
+//!
+//! What computes over many rows or draws is in the crate `bmv-core` below; what is here chooses, weighs and words.
+
+pub mod diagnosis;
+pub mod twin;
+
+use bmv_core::{document, effect, expression, inference, math, measurement, random, statistics, thermal, watch};
