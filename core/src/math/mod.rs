@@ -10,6 +10,7 @@ pub mod ordering;
 pub mod pivoting_lu;
 pub mod quadrature;
 pub mod root;
+pub mod scalar_products;
 pub mod sparse;
 pub mod sparse_lu;
 pub mod special;

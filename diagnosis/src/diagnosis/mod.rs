@@ -28,6 +28,7 @@ pub mod thinned;
 pub mod together;
 pub mod verdict;
 
+pub use bmv_core::inference::null_maximum::Sampling;
 pub use engine::{Diagnosis, FitRequest, State};
 pub use error::{FitError, Unfitted};
 pub use fits::evidence::{Amplitude, Evidence};
@@ -38,6 +39,5 @@ pub use odds::narrow_prior::{PRIOR_OF, wider};
 pub use output::{Output, RISES, Verdict};
 pub use problem::Problem;
 pub use screening::family::{Extras, Family, FamilyWise, Member, MemberKind};
-pub use screening::null_maximum::Sampling;
 pub use screening::score::{Prepared, Score};
 pub use settings::Settings;

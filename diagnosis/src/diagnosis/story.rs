@@ -149,6 +149,12 @@ pub fn whole_surface_first(laws: &[LawOfStep]) -> usize {
     if laws.first().is_none_or(|first| first.is_of_group) { 0 } else { laws.iter().position(alike).unwrap_or(0) }
 }
 
+/// Whether a set with a whole surface goes before one with a single place of it in its stead: by their log posterior weights, of which its
+/// own has to be more than `least` and not clearly less than the other, and their errors on unseen rows, the single place's first.
+pub fn surface_explains_alike([single, surface]: [f64; 2], least: f64, errors: [Option<f64>; 2]) -> bool {
+    surface > least.max(single - CLEARLY) && !rises(errors)
+}
+
 /// Which of the effects that may go first at a step does, in the order of the rules: the first that is likely. Each with its probability, and
 /// that of its most probable rival, whether that pays or not: where the fitted rows want far more what fails on the unseen ones, the
 /// effect would follow errors of the model. `None` where none is likely.
@@ -578,9 +584,8 @@ impl Diagnosis {
                 && surface.is_some_and(|&surface| {
                     candidates[surface].is_group() && !candidates[surface].is_elsewhere_than(&candidates[single])
                 });
-            is_in_its_place
-                && logs[other] > least.max(logs[place] - CLEARLY)
-                && !rises(unseen(&state.refits[place], &state.refits[other]))
+            let errors = unseen(&state.refits[place], &state.refits[other]);
+            is_in_its_place && surface_explains_alike([logs[place], logs[other]], least, errors)
         };
         let is_single = !candidates[single].is_group();
         let surfaces = (0..logs.len()).filter(|other| is_single && explains_alike(other));

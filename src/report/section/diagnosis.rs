@@ -390,8 +390,8 @@ fn noise(output: &Output) -> Option<Block> {
         .collect();
     let (caption, columns) = if with_model_error {
         (
-            "Noise of the instruments and model error, as estimated beside what was found. A model error is nearly the same in \
-             many successive readings, so that one reading has only the weight of an independent one with the error of the last column.",
+            "Noise of the instruments and model error, as estimated beside what was found. A model error lasts over many \
+             readings, so that each reading counts as an independent one with the error of the last column.",
             [Column::number("Model error", "K"), Column::number("Weight as of an error of", "K")],
         )
     } else {

@@ -3,7 +3,7 @@
 use bmv::diagnosis::story::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::{
     Gain, LawOfStep, Weighed, curve_goes_first, falls, first_likely, least_lead, pays_by, rises, serves_as_well,
-    whole_surface_first,
+    surface_explains_alike, whole_surface_first,
 };
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
@@ -97,6 +97,17 @@ fn a_whole_surface_goes_before_a_single_place_and_not_before_another_surface() {
     assert_eq!(whole_surface_first(&[single, outdone]), 0, "what acts elsewhere is far more probable");
     assert_eq!(whole_surface_first(&[single, outdone, law(44.0, true, false)]), 2);
     assert_eq!(whole_surface_first(&[]), 0);
+}
+
+#[test]
+fn a_set_with_a_whole_surface_displaces_where_one_with_a_place_of_it_would() {
+    // A tube bundle: the first pass alone, or all four, beside the lag of the thermometers.
+    let errors = [Some(0.1503), Some(0.1575)];
+    assert!(surface_explains_alike([4.5, 3.4], -7.3, errors));
+    assert!(!surface_explains_alike([4.5, 3.4], 4.0, errors), "it does not displace what is there");
+    assert!(!surface_explains_alike([14.5, 3.4], -7.3, errors), "the place is clearly more probable");
+    assert!(!surface_explains_alike([4.5, 3.4], -7.3, [Some(0.15), Some(0.19)]), "it errs clearly more on unseen rows");
+    assert!(surface_explains_alike([4.5, 3.4], -7.3, [None, None]));
 }
 
 /// As a single place goes first at ten in log odds only.

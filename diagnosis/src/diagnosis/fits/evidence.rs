@@ -13,13 +13,13 @@
 
 use crate::diagnosis::Linear;
 use crate::diagnosis::linearisation::bounded::{Place, minimise};
-use crate::diagnosis::linearisation::scalar_products::products_between;
 use crate::inference::estimate::box_probability::log_box_probability;
 use crate::inference::estimate::laplace::Laplace;
 use crate::inference::estimate::optimise::Bounds;
 use crate::math::cholesky;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{ln, sqrt};
+use crate::math::scalar_products::products_between;
 use crate::math::special::ln_normal_interval;
 
 /// Log probability of the box below which it is not accurate: the rule for it has no points far in a tail.

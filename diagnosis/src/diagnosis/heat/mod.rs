@@ -13,12 +13,12 @@ pub mod sources;
 use std::collections::BTreeMap;
 
 use crate::diagnosis::fits::evidence::{Amplitude, Cut, Evidence, Products};
-use crate::diagnosis::linearisation::scalar_products::{products_between, products_of_all};
 use crate::diagnosis::output::{GoesWith, Heat};
 use crate::diagnosis::{Problem, Refit};
 use crate::math::cholesky;
 use crate::math::dense::{dot_of_columns as dot, square};
 use crate::math::functions::ln;
+use crate::math::scalar_products::{products_between, products_of_all};
 use crate::watch;
 use relations::relations;
 use sources::{Kind, NoHeat, Source, Sources, State, norms};

@@ -5,9 +5,9 @@
 //! columns, and coordinates in an orthonormal basis of that span have the scalar products of the readings, of which there are many more.
 
 use crate::diagnosis::linearisation::linear::Linear;
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal};
 use crate::inference::likelihood::{Course, Filter, Whitening};
 use crate::math::dense::dot_of_columns as dot;
+use crate::math::scalar_products::{add_scaled, orthonormal};
 use crate::measurement::lag;
 
 /// Coordinates are no gain unless there are so many rows for each.

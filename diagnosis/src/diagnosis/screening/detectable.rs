@@ -7,7 +7,8 @@
 
 use crate::diagnosis::Direction;
 use crate::diagnosis::screening::multi_column::Projected;
-use crate::diagnosis::screening::score::{Prepared, Side};
+use crate::diagnosis::screening::score::Prepared;
+use crate::inference::null_maximum::Side;
 use crate::math::special::{normal_quantile, student_t_quantile};
 
 /// The amplitude, SI, of a direction of one column that is found with a power (0.9, say) at a member's critical

@@ -4,7 +4,7 @@
 //! pressed against a bound; the distance of the fit from each normal prior; the sum of squares as a whole. Each has a
 //! statistic whose probability where nothing is missing is known, and the family is judged by the smallest of these
 //! probabilities. All of them are functions of the same residuals, so that their dependence is known too and is used
-//! exactly ([`crate::diagnosis::screening::null_maximum`]): no level is split between members, and like members cost nothing.
+//! exactly ([`crate::inference::null_maximum`]): no level is split between members, and like members cost nothing.
 //!
 //! What is assumed: whitened noise is standard normal (or, with `degrees`, standard normal times a common unknown scale whose
 //! square was estimated with so many degrees of freedom), and the model is linear where it matters. The probability is then
@@ -12,16 +12,14 @@
 //! stay pressed, with the true parameter at the bound, which is the worst case. Where the bounds of further parameters lower a
 //! likelihood ratio, the probability is an upper limit.
 
-use crate::diagnosis::linearisation::scalar_products::{coordinates, orthonormal};
 use crate::diagnosis::screening::multi_column::Projected;
-use crate::diagnosis::screening::null_maximum::{Null, Sampling, Several};
-use crate::diagnosis::screening::score::{Prepared, Side};
+use crate::diagnosis::screening::score::Prepared;
 use crate::diagnosis::{Direction, Score};
+use crate::inference::null_maximum::{Null, Sampling, Several, Side, square_tail};
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
-use crate::math::special::{
-    chi_square_sf, fisher_f_sf, normal_cdf, normal_quantile, student_t_cdf, weighted_chi_square_sf,
-};
+use crate::math::scalar_products::{coordinates, orthonormal};
+use crate::math::special::{normal_cdf, normal_quantile, student_t_cdf, weighted_chi_square_sf};
 
 /// Directions are turned into coordinates where so many suffice.
 const LARGEST_RANK: usize = 512;
@@ -302,14 +300,6 @@ pub(crate) fn standard_tail(x: f64, degrees: Option<f64>) -> f64 {
     match degrees {
         None => normal_cdf(-x),
         Some(d) => student_t_cdf(-x, d),
-    }
-}
-
-/// Upper tail of a sum of `count` squares.
-pub(crate) fn square_tail(x: f64, count: f64, degrees: Option<f64>) -> f64 {
-    match degrees {
-        None => chi_square_sf(x, count),
-        Some(d) => fisher_f_sf(x / count, count, d),
     }
 }
 

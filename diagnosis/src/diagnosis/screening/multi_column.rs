@@ -8,10 +8,11 @@
 use nalgebra::DMatrix;
 
 use crate::diagnosis::Direction;
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, project_out};
-use crate::diagnosis::screening::score::{Column, Prepared, SMALLEST_SHARE, Score, Side};
+use crate::diagnosis::screening::score::{Column, Prepared, SMALLEST_SHARE, Score};
+use crate::inference::null_maximum::Side;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
+use crate::math::scalar_products::{add_scaled, project_out};
 use crate::math::special::{normal_quantile, weighted_chi_square_sf};
 
 /// Weights of a penalised fit below this count as none.

@@ -12,7 +12,8 @@ use rayon::prelude::*;
 
 use crate::diagnosis::Direction;
 use crate::diagnosis::screening::multi_column::Projected;
-use crate::diagnosis::screening::score::{Column, Prepared, Score, Side};
+use crate::diagnosis::screening::score::{Column, Prepared, Score};
+use crate::inference::null_maximum::Side;
 use crate::math::dense::dot_of_columns as dot;
 use crate::watch;
 

@@ -8,10 +8,11 @@
 //! Of directions with several columns: `multi_column`.
 
 use crate::diagnosis::linearisation::bounded::{Minimum, Place, minimise};
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, orthonormal, project_out};
 use crate::diagnosis::{Direction, Linear};
+use crate::inference::null_maximum::Side;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
+use crate::math::scalar_products::{add_scaled, orthonormal, project_out};
 use crate::math::special::{normal_cdf, normal_quantile, normal_quantile_of_ln};
 use crate::watch;
 
@@ -104,44 +105,6 @@ pub struct Column<'a> {
     pub upper: f64,
     /// One over the square of its prior standard deviation; 0 without a prior.
     pub precision: f64,
-}
-
-/// Which sign of an amplitude its bounds allow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Both.
-    Two,
-    /// Positive only.
-    Positive,
-    /// Negative only.
-    Negative,
-}
-
-impl Side {
-    /// Of the bounds of an amplitude.
-    pub fn of(lower: f64, upper: f64) -> Self {
-        if lower >= 0.0 {
-            Self::Positive
-        } else if upper <= 0.0 {
-            Self::Negative
-        } else {
-            Self::Two
-        }
-    }
-
-    /// The statistic that is large where the direction is there.
-    pub fn fold(self, z: f64) -> f64 {
-        match self {
-            Self::Two => z.abs(),
-            Self::Positive => z,
-            Self::Negative => -z,
-        }
-    }
-
-    /// Probability of a larger folded statistic, from the tail of the standard distribution.
-    pub fn probability(self, folded: f64, tail: impl Fn(f64) -> f64) -> f64 {
-        if self == Self::Two { (2.0 * tail(folded)).min(1.0) } else { tail(folded) }
-    }
 }
 
 impl Prepared {

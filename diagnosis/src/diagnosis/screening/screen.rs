@@ -20,12 +20,12 @@ use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::screening::between_values::shapes_between;
 use crate::diagnosis::screening::detectable::detectable;
 use crate::diagnosis::screening::family::{Extras, Family, MemberKind};
-use crate::diagnosis::screening::null_maximum::Sampling;
 use crate::diagnosis::screening::pairs::best_pairs;
 use crate::diagnosis::screening::score::{Column, Prepared, Score};
 use crate::diagnosis::{Direction, Linear, Problem, Refit};
 use crate::effect::Site;
 use crate::inference::likelihood::Likelihood;
+use crate::inference::null_maximum::Sampling;
 use crate::measurement::{Measurement, Rows, Uncertain};
 
 /// Effects that are kept.

@@ -17,9 +17,6 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::diagnosis::engine::Diagnosis;
 use crate::diagnosis::linearisation::linear::Linear;
-use crate::diagnosis::linearisation::scalar_products::{
-    orthonormal, products, products_of_all, project_out, remainders,
-};
 use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::diagnosis::screening::score::SMALLEST_SHARE;
@@ -31,6 +28,7 @@ use crate::inference::estimate::natural::NaturalObjective;
 use crate::inference::likelihood::Likelihood;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{exp, ln, sqrt};
+use crate::math::scalar_products::{orthonormal, products, products_of_all, project_out, remainders};
 
 /// Effects of which the random sum is made.
 const MOST_OTHERS: usize = 300;

@@ -176,7 +176,7 @@ fn model_error(output: &Output, chosen: &Refit) -> Option<String> {
     };
     let left = chosen.rmse_train_k.map(|rmse| (rmse * rmse - worst.1 * worst.1).max(0.0).sqrt());
     let alike = format!(
-        "Since such errors are nearly the same in many successive readings, one reading has only the weight of an independent one with an error of {counts_as} K: that is a weight, not the noise of an instrument.{part}"
+        "Such errors last over many readings, so that each reading counts as an independent one with an error of {counts_as} K: that is a weight, not the noise of an instrument.{part}"
     );
     Some(match left.filter(|left| *left < CLEARLY_LESS * worst.0) {
         Some(left) if left < HIDDEN * worst.1 => format!(

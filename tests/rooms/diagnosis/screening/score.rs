@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fixture::{columns, direction, enumerated, problem, products, random_direction, stream};
 use bmv::diagnosis::screening::pairs::{best_pairs, screen};
-use bmv::diagnosis::screening::score::Side;
 use bmv::diagnosis::{Direction, Linear, Prepared, Score};
+use bmv::inference::null_maximum::Side;
 use bmv::math::dense::dot_of_columns as dot;
 use bmv::math::special::normal_cdf;
 

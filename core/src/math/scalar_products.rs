@@ -8,7 +8,7 @@ use crate::watch;
 
 /// `y += factor x`.
 #[inline]
-pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
+pub fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += factor * x;
     }
@@ -17,7 +17,7 @@ pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
 /// Takes from a column its components along orthonormal columns (one after the other in `basis`); where less than half of its
 /// square is left, twice, so that what is left is orthogonal to rounding (Daniel, Gragg, Kaufman & Stewart 1976; Giraud, Langou
 /// & Rozloznik 2005).
-pub(crate) fn project_out(column: &mut [f64], basis: &[f64]) {
+pub fn project_out(column: &mut [f64], basis: &[f64]) {
     let square = dot(column, column);
     take_out(column, basis);
     if !(2.0 * dot(column, column) > square) {
@@ -35,7 +35,7 @@ fn take_out(column: &mut [f64], basis: &[f64]) {
 /// Orthonormal columns with the span of the given ones, which are scaled to length 1 first: Gram and Schmidt's process, the
 /// longest remainder next, ties by index, until remainders are shorter than `tolerance`.
 /// Also the position of the column behind each. `start` are orthonormal columns that are taken out and stay in front.
-pub(crate) fn orthonormal(columns: &[&[f64]], start: Vec<f64>, tolerance: f64) -> (Vec<f64>, Vec<usize>) {
+pub fn orthonormal(columns: &[&[f64]], start: Vec<f64>, tolerance: f64) -> (Vec<f64>, Vec<usize>) {
     let mut basis = start;
     let mut chosen = Vec::new();
     let mut rest: Vec<(usize, Vec<f64>)> = Vec::with_capacity(columns.len());
@@ -74,18 +74,18 @@ pub(crate) fn orthonormal(columns: &[&[f64]], start: Vec<f64>, tolerance: f64) -
 }
 
 /// Products of columns with one.
-pub(crate) fn products(columns: &[Vec<f64>], column: &[f64]) -> Vec<f64> {
+pub fn products(columns: &[Vec<f64>], column: &[f64]) -> Vec<f64> {
     columns.par_iter().map(|own| dot(own, column)).collect()
 }
 
 /// Products of columns with one another: of each those with the columns up to it.
-pub(crate) fn products_of_all<C: AsRef<[f64]> + Sync>(columns: &[C]) -> Vec<Vec<f64>> {
+pub fn products_of_all<C: AsRef<[f64]> + Sync>(columns: &[C]) -> Vec<Vec<f64>> {
     let row = |place: usize| products_along(&columns[..=place], columns[place].as_ref());
     (0..columns.len()).into_par_iter().map(row).collect()
 }
 
 /// Products of columns with others: of each of the former those with all of the latter.
-pub(crate) fn products_between(columns: &[&[f64]], others: &[&[f64]]) -> Vec<Vec<f64>> {
+pub fn products_between(columns: &[&[f64]], others: &[&[f64]]) -> Vec<Vec<f64>> {
     columns.par_iter().map(|column| products_along(others, column)).collect()
 }
 
@@ -96,7 +96,7 @@ fn products_along<C: AsRef<[f64]>>(columns: &[C], column: &[f64]) -> Vec<f64> {
 
 /// What is left of columns without their components along an orthonormal basis of `rows` rows, scaled to length 1. Shorter columns go
 /// on with zeros. Columns that keep less than `least_share` of their square are left out.
-pub(crate) fn remainders(columns: &[Vec<f64>], basis: &[f64], rows: usize, least_share: f64) -> Vec<Vec<f64>> {
+pub fn remainders(columns: &[Vec<f64>], basis: &[f64], rows: usize, least_share: f64) -> Vec<Vec<f64>> {
     let remainder = |column: &Vec<f64>| {
         watch::check();
         let mut column = column.clone();
@@ -114,7 +114,7 @@ pub(crate) fn remainders(columns: &[Vec<f64>], basis: &[f64], rows: usize, least
 /// Coordinates of columns of length 1 in an orthonormal basis of their span, one column's after the other: the rows of the
 /// Cholesky factor of their products, where a column whose remainder's square is below 1e-9 adds no dimension. With their
 /// number; `None` where it would exceed `largest`. Cost: columns x dimensions x rows.
-pub(crate) fn coordinates(columns: &[&[f64]], largest: usize) -> Option<(Vec<f64>, usize)> {
+pub fn coordinates(columns: &[&[f64]], largest: usize) -> Option<(Vec<f64>, usize)> {
     let mut pivots: Vec<usize> = Vec::new();
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(columns.len());
     for (index, column) in columns.iter().enumerate() {

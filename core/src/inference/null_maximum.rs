@@ -14,13 +14,13 @@
 
 use rayon::prelude::*;
 
-use crate::diagnosis::linearisation::scalar_products::{add_scaled, project_out};
-use crate::diagnosis::screening::family::square_tail;
-use crate::diagnosis::screening::score::Side;
 use crate::inference::estimate::box_probability::log_box_probability;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::{exp, ln, sqrt};
-use crate::math::special::{chi_square_quantile, normal_quantile, student_t_quantile, weighted_chi_square_upper};
+use crate::math::scalar_products::{add_scaled, project_out};
+use crate::math::special::{
+    chi_square_quantile, chi_square_sf, fisher_f_sf, normal_quantile, student_t_quantile, weighted_chi_square_upper,
+};
 use crate::random::{Stream, StreamKey};
 use crate::watch;
 
@@ -40,9 +40,47 @@ pub struct Sampling {
     pub draws: usize,
 }
 
+/// Which sign of an amplitude its bounds allow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Both.
+    Two,
+    /// Positive only.
+    Positive,
+    /// Negative only.
+    Negative,
+}
+
+impl Side {
+    /// Of the bounds of an amplitude.
+    pub fn of(lower: f64, upper: f64) -> Self {
+        if lower >= 0.0 {
+            Self::Positive
+        } else if upper <= 0.0 {
+            Self::Negative
+        } else {
+            Self::Two
+        }
+    }
+
+    /// The statistic that is large where the direction is there.
+    pub fn fold(self, z: f64) -> f64 {
+        match self {
+            Self::Two => z.abs(),
+            Self::Positive => z,
+            Self::Negative => -z,
+        }
+    }
+
+    /// Probability of a larger folded statistic, from the tail of the standard distribution.
+    pub fn probability(self, folded: f64, tail: impl Fn(f64) -> f64) -> f64 {
+        if self == Self::Two { (2.0 * tail(folded)).min(1.0) } else { tail(folded) }
+    }
+}
+
 /// A weighted sum of squares of components.
 #[derive(Clone, Debug)]
-pub(crate) struct Several {
+pub struct Several {
     /// Orthonormal, one after the other.
     pub columns: Vec<f64>,
     /// One for each.
@@ -51,7 +89,7 @@ pub(crate) struct Several {
 
 /// The tests as functions of a standard normal vector.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Null {
+pub struct Null {
     /// Its length.
     pub dimensions: usize,
     /// Columns of length 1, one after the other: the single directions.
@@ -88,6 +126,14 @@ struct Draw {
     outside: f64,
     /// Probability of the tail that it was drawn from: its own event happened, also where rounding hides it.
     q: f64,
+}
+
+/// Upper tail of a sum of `count` squares.
+pub fn square_tail(x: f64, count: f64, degrees: Option<f64>) -> f64 {
+    match degrees {
+        None => chi_square_sf(x, count),
+        Some(d) => fisher_f_sf(x / count, count, d),
+    }
 }
 
 impl Null {
@@ -310,7 +356,7 @@ impl Null {
         block.iter().zip(&inverse).map(|(draw, inverse)| self.members() as f64 / inverse.max(1.0 / draw.q)).collect()
     }
 
-    /// See [`crate::diagnosis::screening::family::Family::critical`].
+    /// The probability `p` of a member at which that of any is `level`.
     pub fn critical(&self, level: f64, sampling: &Sampling) -> f64 {
         let members = self.members().max(1) as f64;
         let target = ln(level);
