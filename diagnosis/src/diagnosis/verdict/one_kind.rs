@@ -25,8 +25,13 @@ enum Changed {
 impl Changed {
     fn of(candidate: &Candidate, problem: &Problem) -> Option<Self> {
         let adds = &problem.catalogue.get(&candidate.effect)?.form.adds.value;
-        let stores = adds.capacity.is_some() || adds.node.is_some();
+        let stores = adds.capacity.is_some() || adds.node.is_some() || adds.within.is_some();
+        let stored_between = |mut ends: Vec<usize>| {
+            ends.retain(|&node| !matches!(problem.model.nodes[node].kind, NodeKind::Boundary { .. }));
+            Self::Store(ends)
+        };
         match &candidate.site {
+            Site::Pair(ends) if stores => Some(stored_between(ends.to_vec())),
             Site::Pair(ends) => adds.flow.is_some().then_some(Self::Path(*ends)),
             Site::Sensors(sensors) => Some(Self::Reading(sensors.iter().map(|sensor| sensor.name.clone()).collect())),
             Site::Nodes(members) => {
@@ -38,9 +43,12 @@ impl Changed {
                     _ => None,
                 }
             }
-            Site::Elements(elements) if adds.factor.is_some() => {
+            Site::Elements(elements) if stores || adds.factor.is_some() => {
                 let ends = |&element: &usize| problem.model.elements.get(element).map(|own| own.nodes());
                 let ends: Vec<Vec<usize>> = elements.iter().filter_map(ends).collect();
+                if stores {
+                    return Some(stored_between(ends.concat()));
+                }
                 // What has one end gives heat to it.
                 match ends.iter().all(|nodes| nodes.len() == 1) {
                     true => Some(Self::Heat { nodes: ends.concat(), with_surroundings: false }),
@@ -76,6 +84,7 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> 
         [node] => format!("`{}`", problem.model.nodes[*node].name),
         _ => format!("`{}`", first.place.join("` and `")),
     };
+    let differ = all.iter().any(|changed| *changed != all[0]);
     let (what, open) = match all.first()? {
         Changed::Heat { nodes: own, .. } => {
             let surroundings = |changed: &Changed| match changed {
@@ -85,7 +94,10 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> 
             let exchanged: Vec<bool> = all.iter().map(surroundings).collect::<Option<_>>()?;
             heat(&place(own), effects, &exchanged)
         }
-        same if all.iter().any(|other| other != same) => return None,
+        Changed::Store(_) if all.iter().all(|changed| matches!(changed, Changed::Store(_))) && differ => {
+            ("heat that is stored beside what the model stores".to_owned(), "where and which way")
+        }
+        _ if differ => return None,
         Changed::Path(ends) => {
             let [a, b] = ends.map(|end| &problem.model.nodes[end].name);
             (format!("a path for heat between `{a}` and `{b}`"), "whose law")
@@ -93,7 +105,7 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> 
         Changed::Conductance(_) => {
             (format!("a change of the conductance of `{}`", first.place.join("`, `")), "whose cause")
         }
-        Changed::Store(nodes) => (format!("heat that is stored in {}", place(nodes)), "whose way"),
+        Changed::Store(nodes) => (format!("heat that is stored at {}", place(nodes)), "whose way"),
         Changed::Reading(_) => (format!("a fault of the readings of `{}`", first.place.join("` and `")), "whose kind"),
     };
     let mut laws: Vec<String> = Vec::new();

@@ -251,10 +251,10 @@ pub fn of_gas(effects: &[EffectResult], problem: &Problem) -> Option<String> {
 /// That none of the effects that were tried explains the misfit; `is_definite` says whether tests find something beside small errors.
 pub fn unexplained(tried: &str, is_definite: bool) -> String {
     if is_definite {
-        return format!("Something is missing, and {tried}, explains it: see the missing heat by node.");
+        return format!("Something is missing, and {tried} explains it: see the missing heat by node.");
     }
     format!(
-        "The model errs by more than the instruments' noise, and {tried}, explains that; the tests find nothing definite, so that small errors everywhere may be all there is."
+        "The model errs by more than the instruments' noise, and {tried} explains that; the tests find nothing definite, so that small errors everywhere may be all there is."
     )
 }
 
@@ -317,7 +317,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             let effects = counted(output.looked_at[0], "effect");
             let tried = match largest {
                 0 | 1 => format!("none of {effects}"),
-                _ => format!("none of {effects}, alone or in sets of up to {largest}"),
+                _ => format!("none of {effects}, alone or in sets of up to {largest},"),
             };
             let far = too_far(findings);
             words.push(unexplained(&tried, !output.only_small_errors));

@@ -59,6 +59,19 @@ fn laws_of_one_thing_at_one_place_are_called_that() {
     );
     let elsewhere: [(&str, &[&str], [f64; 2]); 2] = [("heat-load", &[a], [0.5, 0.5]), ("heat-load", &[b], [0.5, 0.5])];
     assert_eq!(together(&problem, &elsewhere), None);
+    // A store of heat is one kind wherever it is: inside a path, or hidden behind a node.
+    let is_joint = |own: &&bmv::effect::Candidate| own.effect == "path-capacity" && !own.is_group();
+    let joint = problem.candidates.iter().find(is_joint).expect("conductors").place.clone();
+    let joint: Vec<&str> = joint.iter().map(String::as_str).collect();
+    let said_of_store = |node: &str| {
+        let swing = [-0.5, 0.5];
+        together(&problem, &[("path-capacity", &joint, swing), ("hidden-node", &[node], swing)]).expect("stores")
+    };
+    let said: Vec<String> = inner.iter().map(|node| said_of_store(node)).collect();
+    let elsewhere = "heat that is stored beside what the model stores, where and which way the readings do not tell (path-capacity or \
+                     hidden-node)";
+    assert!(said.iter().any(|own| own == elsewhere), "{said:?}");
+    assert!(said.iter().all(|own| own == elsewhere || own.starts_with("heat that is stored at `")), "{said:?}");
     let mixed: [(&str, &[&str], [f64; 2]); 2] = [("heat-load", &[a], [0.5, 0.5]), ("conductive-path", &a_pair, loss)];
     assert_eq!(together(&problem, &mixed), None);
     assert_eq!(together(&problem, &losses[..1]), None);

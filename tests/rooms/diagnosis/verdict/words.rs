@@ -20,10 +20,11 @@ fn a_misfit_is_called_clear_only_where_the_tests_find_one() {
 
 #[test]
 fn something_is_said_to_be_missing_only_where_the_tests_find_it() {
-    let tried = "none of 9 effects, alone or in sets of up to 1";
+    let tried = "none of 9 effects, alone or in sets of up to 2,";
     assert!(unexplained(tried, true).starts_with("Something is missing, and none of 9 effects"));
     let errors = unexplained(tried, false);
     assert!(!errors.contains("missing") && errors.contains("errs by more than the instruments' noise, and none of 9"));
+    assert!(unexplained("none of 9 effects", false).contains("none of 9 effects explains that"));
 }
 
 #[test]
