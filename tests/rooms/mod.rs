@@ -1,4 +1,4 @@
-//! Tests of one source file each, at its path below `src` or `core/src`.
+//! Tests of one source file each, at its path below `src`, `core/src` or `diagnosis/src`.
 
 mod batch;
 mod cli;

@@ -28,7 +28,7 @@ pub mod thinned;
 pub mod together;
 pub mod verdict;
 
-pub use bmv_core::inference::null_maximum::Sampling;
+pub use crate::inference::null_maximum::Sampling;
 pub use engine::{Diagnosis, FitRequest, State};
 pub use error::{FitError, Unfitted};
 pub use fits::evidence::{Amplitude, Evidence};

@@ -68,6 +68,16 @@ pub(crate) struct Step {
     pub additions: Vec<Addition>,
 }
 
+/// A set that displaces that of a story.
+struct Exchange {
+    /// Its position, by which it is weighed.
+    place: usize,
+    /// Position of the set to which the story goes: with a whole surface, where that explains as much.
+    to: usize,
+    /// Number of the step of the effect that it displaces.
+    number: usize,
+}
+
 /// How effects are added one by one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Story {
@@ -149,10 +159,10 @@ pub fn whole_surface_first(laws: &[LawOfStep]) -> usize {
     if laws.first().is_none_or(|first| first.is_of_group) { 0 } else { laws.iter().position(alike).unwrap_or(0) }
 }
 
-/// Whether a set with a whole surface goes before one with a single place of it in its stead: by their log posterior weights, of which its
-/// own has to be more than `least` and not clearly less than the other, and their errors on unseen rows, the single place's first.
-pub fn surface_explains_alike([single, surface]: [f64; 2], least: f64, errors: [Option<f64>; 2]) -> bool {
-    surface > least.max(single - CLEARLY) && !rises(errors)
+/// Whether a set with a whole surface goes before one with a single place of it in its stead: by their log posterior weights and their
+/// errors on unseen rows, the single place's first.
+pub fn surface_explains_alike([single, surface]: [f64; 2], errors: [Option<f64>; 2]) -> bool {
+    surface > single - CLEARLY && !rises(errors)
 }
 
 /// Which of the effects that may go first at a step does, in the order of the rules: the first that is likely. Each with its probability, and
@@ -535,7 +545,11 @@ impl Diagnosis {
         let is_minor = |member: usize| {
             members.iter().zip(&gains).any(|(&one, gain)| one == member && *gain < MINOR_SHARE * largest)
         };
-        let mut best: Option<(usize, usize)> = None;
+        let may_follow = |place: usize| {
+            let errors = unseen(&state.refits[end], &state.refits[place]);
+            if more == 0 { !rises(errors) } else { falls(errors) }
+        };
+        let mut best: Option<Exchange> = None;
         // The last effect has had the whole choice of its own.
         let earlier = if more == 0 { story.steps.len().saturating_sub(1) } else { story.steps.len() };
         for (number, step) in story.steps.iter().enumerate().take(earlier) {
@@ -549,47 +563,52 @@ impl Diagnosis {
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
                     let effects = &state.refits[place].effects;
-                    let errors = unseen(&state.refits[end], &state.refits[place]);
                     effects.len() == members.len() + more
                         && effects.contains(&other.effect)
                         && !effects.contains(member)
                         && before.iter().all(|one| effects.contains(one))
                         && effects.iter().all(|&one| members.contains(&one) || !self.is_unknown_function(one))
-                        && if more == 0 { !rises(errors) } else { falls(errors) }
+                        && may_follow(place)
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
                 // A single place displaces a whole surface only where it would go before that.
                 let [surface, single] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
                 let displaces_surface = surface.is_group() && !single.is_group() && !surface.is_elsewhere_than(single);
                 let least = logs[end] + least_lead(more > 0, displaces_surface);
-                let place = place.filter(|&place| logs[place] > best.map_or(least, |best| logs[best.0].max(least)));
-                if let Some(place) = place {
-                    best = Some((self.with_surface(state, logs, least, place, other.effect), number + 1));
+                let place = place
+                    .filter(|&place| logs[place] > best.as_ref().map_or(least, |best| logs[best.place].max(least)));
+                let Some(place) = place else { continue };
+                let surface = self.surface_in_place_of(state, logs, place, other.effect);
+                // Beside the surface that is there the further effect is asked for as any next one.
+                if surface.is_some_and(|surface| state.refits[surface].effects.contains(member)) {
+                    continue;
                 }
+                let surface = surface.filter(|&surface| logs[surface] > least && may_follow(surface));
+                best = Some(Exchange { place, to: surface.unwrap_or(place), number: number + 1 });
             }
         }
-        best
+        best.map(|best| (best.to, best.number))
     }
 
-    /// The set with a whole surface in the place of a single place of it, where the surface explains as much and errs hardly more on
-    /// unseen rows; the set itself where there is none. What it weighs has to be more than `least`.
-    fn with_surface(&self, state: &State, logs: &Logs, least: f64, place: usize, single: usize) -> usize {
+    /// The most probable set with a whole surface in the place of a single place of it, where the surface explains as much and errs
+    /// hardly more on unseen rows.
+    fn surface_in_place_of(&self, state: &State, logs: &Logs, place: usize, single: usize) -> Option<usize> {
         let candidates = &self.problem().candidates;
         let own = &state.refits[place].effects;
         let explains_alike = |&other: &usize| {
             let effects = &state.refits[other].effects;
-            let surface = effects.iter().find(|one| !own.contains(one));
-            let is_in_its_place = effects.len() == own.len()
+            let is_surface = |&surface: &usize| {
+                !self.is_unknown_function(surface) && candidates[surface].goes_before_member(&candidates[single])
+            };
+            effects.len() == own.len()
                 && own.iter().all(|one| *one == single || effects.contains(one))
-                && surface.is_some_and(|&surface| {
-                    candidates[surface].is_group() && !candidates[surface].is_elsewhere_than(&candidates[single])
-                });
-            let errors = unseen(&state.refits[place], &state.refits[other]);
-            is_in_its_place && surface_explains_alike([logs[place], logs[other]], least, errors)
+                && effects.iter().find(|one| !own.contains(one)).is_some_and(is_surface)
+                && surface_explains_alike(
+                    [logs[place], logs[other]],
+                    unseen(&state.refits[place], &state.refits[other]),
+                )
         };
-        let is_single = !candidates[single].is_group();
-        let surfaces = (0..logs.len()).filter(|other| is_single && explains_alike(other));
-        surfaces.reduce(|a, b| if logs[b] > logs[a] { b } else { a }).unwrap_or(place)
+        (0..logs.len()).filter(explains_alike).reduce(|a, b| if logs[b] > logs[a] { b } else { a })
     }
 
     /// The story that leads to a set along others, as far as these were fitted.

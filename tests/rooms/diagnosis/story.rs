@@ -103,11 +103,10 @@ fn a_whole_surface_goes_before_a_single_place_and_not_before_another_surface() {
 fn a_set_with_a_whole_surface_displaces_where_one_with_a_place_of_it_would() {
     // A tube bundle: the first pass alone, or all four, beside the lag of the thermometers.
     let errors = [Some(0.1503), Some(0.1575)];
-    assert!(surface_explains_alike([4.5, 3.4], -7.3, errors));
-    assert!(!surface_explains_alike([4.5, 3.4], 4.0, errors), "it does not displace what is there");
-    assert!(!surface_explains_alike([14.5, 3.4], -7.3, errors), "the place is clearly more probable");
-    assert!(!surface_explains_alike([4.5, 3.4], -7.3, [Some(0.15), Some(0.19)]), "it errs clearly more on unseen rows");
-    assert!(surface_explains_alike([4.5, 3.4], -7.3, [None, None]));
+    assert!(surface_explains_alike([4.5, 3.4], errors));
+    assert!(!surface_explains_alike([14.5, 3.4], errors), "the place is clearly more probable");
+    assert!(!surface_explains_alike([4.5, 3.4], [Some(0.15), Some(0.19)]), "it errs clearly more on unseen rows");
+    assert!(surface_explains_alike([4.5, 3.4], [None, None]));
 }
 
 /// As a single place goes first at ten in log odds only.

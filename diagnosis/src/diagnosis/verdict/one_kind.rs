@@ -25,9 +25,14 @@ enum Changed {
 impl Changed {
     fn of(candidate: &Candidate, problem: &Problem) -> Option<Self> {
         let adds = &problem.catalogue.get(&candidate.effect)?.form.adds.value;
-        let stores = adds.capacity.is_some() || adds.node.is_some() || adds.within.is_some();
-        let stored_between = |mut ends: Vec<usize>| {
-            ends.retain(|&node| !matches!(problem.model.nodes[node].kind, NodeKind::Boundary { .. }));
+        let stores = adds.capacity.is_some() || adds.node.is_some() || adds.within.is_some() || adds.source.is_some();
+        let stored_between = |ends: Vec<usize>| {
+            let is_inner = |node: &usize| !matches!(problem.model.nodes[*node].kind, NodeKind::Boundary { .. });
+            let inner: Vec<usize> = ends.iter().copied().filter(is_inner).collect();
+            // A wall between two boundaries has no other name than theirs.
+            let mut ends = if inner.is_empty() { ends } else { inner };
+            ends.sort_unstable();
+            ends.dedup();
             Self::Store(ends)
         };
         match &candidate.site {
@@ -69,7 +74,7 @@ impl Changed {
 }
 
 /// What effects are together and what the readings do not tell of it, in words that go on after a colon; `None` where there is one, or
-/// they are of several kinds or at several places.
+/// they are of several kinds or at several places. Stores of heat are one kind at several places too: then the place is open.
 pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> {
     let first = effects.first().filter(|_| effects.len() > 1)?;
     let of = |effect: &&EffectResult| {
