@@ -1,6 +1,6 @@
 //! Which effects a model lacks: the rooms `diagnosis`, and above it `twin`, cases whose truth is known.
 //!
-//! What solves, integrates and draws is in the crate `bmv-core` below; what is here chooses, weighs and words.
+//! Networks, likelihoods and samplers are in the crate `bmv-core` below; what is here screens, fits, weighs and words.
 
 pub mod diagnosis;
 pub mod twin;
