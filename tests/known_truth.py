@@ -3,7 +3,7 @@
 usage: known_truth.py BMV CAMPAIGN...
 
 Each CAMPAIGN is a folder with `pass-1.json` and `truth.json`: `truth` and `alternatives` list effects with their places, `rmse_after.held_out`
-is the error that an ordinary fit with the truth reaches, K; `widen` lists parameters whose priors are too narrow. Right: an effect of either list is selected first, or in the first step's group.
+is the error that an ordinary fit with the truth reaches, K; `widen` lists parameters whose priors are too narrow. Right: an effect of either list is selected first, or in the first step's group. `decoys` lists effects that must not be selected.
 """
 
 import json
@@ -27,8 +27,8 @@ def shown(value):
 
 
 def main(bmv, campaigns):
-    right, wrong, asked = 0, 0, 0
-    print(f"{'campaign':30} {'verdict':12} {'first':6} {'above 0.9':10} {'held out [K]':16} selected")
+    right, wrong, asked, misled = 0, 0, 0, 0
+    print(f"{'campaign':30} {'verdict':12} {'first':6} {'above 0.9':10} {'decoys':7} {'held out [K]':16} selected")
     for folder in map(pathlib.Path, campaigns):
         if not (folder / "truth.json").is_file():
             continue
@@ -57,10 +57,11 @@ def main(bmv, campaigns):
         sure = [name for name in effects if effects[name]["probability"] > 0.9 and not is_right(name)]
         error = next((m["rmse_k"]["held_out"] for m in answer["models"] if sorted(m["effects"]) == sorted(selected)), None)
         mark = (truth.get("rmse_after") or {}).get("held_out")
-        asked, right, wrong = asked + 1, right + found, wrong + bool(sure)
+        decoys = [name for name in selected if not is_right(name) and any(fits(one, effects[name]) for one in truth.get("decoys") or [])]
+        asked, right, wrong, misled = asked + 1, right + found, wrong + bool(sure), misled + bool(decoys)
         errors = shown(error) + (f" of {shown(mark)}" if mark else "")
-        print(f"{folder.name:30} {answer['verdict']:12} {'right' if found else 'no':6} {len(sure):<10} {errors:16} {' + '.join(selected)}")
-    print(f"{right} of {asked} right in the first step; {wrong} with a wrong name above 0.9")
+        print(f"{folder.name:30} {answer['verdict']:12} {'right' if found else 'no':6} {len(sure):<10} {len(decoys):<7} {errors:16} {' + '.join(selected)}")
+    print(f"{right} of {asked} right in the first step; {wrong} with a wrong name above 0.9; {misled} with a decoy selected")
 
 
 if len(sys.argv) < 3:

@@ -38,7 +38,7 @@ fn the_manifest_has_the_bytes_that_were_loaded() {
     let pass = fs::read_to_string(study.join("pass-1.json")).unwrap();
     fs::write(study.join("pass-1.json"), pass.replace("\"samples\": 64", "\"samples\": 60000")).unwrap();
     let before = files(&study);
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("bmv"))
+    let mut child = Command::new(env!("CARGO_BIN_EXE_bmv"))
         .current_dir(root.path())
         .args(["report", "plate"])
         .stdout(Stdio::null())
@@ -265,7 +265,7 @@ fn reports_are_printed_by_a_browser() {
         place
     };
     let run = |browser: &Path| {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("bmv"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bmv"));
         command.current_dir(root.path()).env("BMV_BROWSER", browser);
         command.args(["report", "plate", "--pdf", "for review"]).output().unwrap()
     };

@@ -29,7 +29,7 @@ fn copy(from: &Path, to: &Path) {
 }
 
 fn compare(pass: &Path) -> Value {
-    let output = Command::new(assert_cmd::cargo::cargo_bin!("bmv"))
+    let output = Command::new(env!("CARGO_BIN_EXE_bmv"))
         .arg("compare")
         .arg(pass)
         .args(["--json", "--threads", "2", "--cache"])

@@ -10,7 +10,7 @@ use bmv::runner::manifest::FileRecord;
 use bmv::runner::{Cache, Key, Kind, Manifest};
 
 fn bmv() -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("bmv"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bmv"));
     command.env_remove("NO_COLOR");
     command
 }

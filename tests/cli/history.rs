@@ -107,6 +107,7 @@ fn history_tells_the_error_of_each_pass_and_how_it_fell() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_report_shows_the_passes_up_to_its_own() {
     let root = passes();
     let first = printed(root.path(), &["report", "plate/pass-1.json"]);

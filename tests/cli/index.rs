@@ -26,6 +26,7 @@ fn read(root: &Path, path: &str) -> String {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn the_index_lists_what_lies_there_whatever_the_command_rendered() {
     let root = two();
     let reports = root.path().join("reports");
@@ -189,6 +190,7 @@ fn no_requirement_is_called_met_by_a_model_that_fails_its_test() {
 
 /// A pass that predicts with the calibration of the pass before it, in an environment and with a model's file of its own.
 #[test]
+#[ignore = "thorough"]
 fn a_prediction_knows_the_misfit_and_the_tests_of_the_pass_that_it_carries() {
     let root = plate();
     let study = root.path().join("plate");

@@ -43,7 +43,7 @@ fn study() -> tempfile::TempDir {
 }
 
 fn bmv(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(assert_cmd::cargo::cargo_bin!("bmv")).current_dir(folder).args(arguments).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_bmv")).current_dir(folder).args(arguments).output().unwrap()
 }
 
 fn succeeds(folder: &Path, arguments: &[&str]) -> String {

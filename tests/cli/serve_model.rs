@@ -21,7 +21,7 @@ struct Server {
 impl Server {
     fn start() -> Self {
         let study = plate();
-        let mut process = Command::new(assert_cmd::cargo::cargo_bin!("bmv"))
+        let mut process = Command::new(env!("CARGO_BIN_EXE_bmv"))
             .current_dir(study.path())
             .args(["serve-model", "plate/pass-1.json", "--port", "0"])
             .stdout(Stdio::piped())

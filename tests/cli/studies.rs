@@ -34,7 +34,7 @@ const PASS: &str = r#"{
 }"#;
 
 pub fn bmv(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("bmv"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bmv"));
     command.current_dir(folder).env_remove("BMV_DATA").args(arguments).output().expect("the program starts")
 }
 

@@ -122,6 +122,7 @@ fn compare_waits_for_no_calibration_unasked() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_requirement_that_is_not_met_ends_with_one_where_that_is_asked() {
     let root = plate();
     for verb in ["run", "report", "show"] {

@@ -31,7 +31,7 @@ impl Answer {
 
 impl Watched {
     fn start(root: &Path, study: &str) -> Self {
-        let mut process = Command::new(assert_cmd::cargo::cargo_bin!("bmv"))
+        let mut process = Command::new(env!("CARGO_BIN_EXE_bmv"))
             .current_dir(root)
             .args(["watch", study, "--cache", "cache"])
             .stdout(Stdio::piped())

@@ -249,6 +249,7 @@ fn a_circle_of_parents_and_a_pass_that_is_not_there() {
 
 /// Broken off anywhere, a file gives an error or loads, and never panics.
 #[test]
+#[ignore = "thorough"]
 fn files_broken_off_at_every_third_byte_never_panic() {
     load_broken_off(3);
 }

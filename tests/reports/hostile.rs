@@ -444,6 +444,7 @@ fn pages_without_results_are_pages() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn empty_and_broken_outputs_are_reported_not_fatal() {
     for mut sample in [radiator(), transient(), steady(), calibrated(), predicted(), with(true)] {
         for job in &mut sample.results {

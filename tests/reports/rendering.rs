@@ -388,6 +388,7 @@ fn the_first_screen_says_which_adopted_effects_act_in_predictions_and_how_sure_t
 
 /// A transient with a gap goes on as another measurement of the same file.
 #[test]
+#[ignore = "thorough"]
 fn a_history_shows_all_parts_of_a_record_in_a_unit_that_keeps_its_numbers_short() {
     use bmv::job::compare::Kind;
     let rendered_in = |scale: f64, in_parts: bool| {

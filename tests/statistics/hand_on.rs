@@ -141,6 +141,7 @@ fn agrees(output: &calibrate::Output, mean: &DVector<f64>, covariance: &DMatrix<
 }
 
 #[test]
+#[ignore = "thorough"]
 fn data_one_after_the_other_are_all_data_at_once() {
     let root = study();
     let mut results = Results::of_study(root.path());

@@ -377,6 +377,7 @@ fn a_chain_depends_on_its_index_alone_and_survives_serialisation() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn work_of_a_fixed_seed_is_kept() {
     let model = models::LinearGaussian::new(4, 12).model();
     let nuts = nuts_chains(&model, &NutsSettings::default());

@@ -132,6 +132,7 @@ fn eliminated(mut matrix: Vec<Vec<f64>>) -> Vec<f64> {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn the_data_are_what_the_truth_and_the_seed_give() {
     let truth: Value = serde_json::from_str(&read("truth.json")).unwrap();
     let network = Truth::new(&truth);
@@ -162,6 +163,7 @@ fn the_data_are_what_the_truth_and_the_seed_give() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn the_deck_is_what_the_import_makes_of_it() {
     let root = tempfile::tempdir().unwrap();
     let repository = Path::new(env!("CARGO_MANIFEST_DIR"));

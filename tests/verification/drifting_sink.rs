@@ -54,6 +54,7 @@ fn diagnosed() -> Output {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_room_that_warms_is_named_with_its_rate() {
     let output = diagnosed();
     assert_eq!(output.selected, ["sink-drift:room"], "{:?}", output.words);

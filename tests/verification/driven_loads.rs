@@ -60,6 +60,7 @@ fn a_lamp_whose_heat_grows_with_the_square_of_its_voltage_is_named() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn a_heater_on_a_bus_whose_voltage_changes_is_named() {
     let output = diagnosed(|u| 0.4 * u, |p, u| p * (1.0 + 0.4 * u / 12.0));
     // Heat by the product of power and voltage is nearly the same where the conductances are inferred.

@@ -8,6 +8,7 @@ use bmv::job::propagate::{Output, Propagate};
 use super::radiator::{propagation, run};
 
 #[test]
+#[ignore = "thorough"]
 fn prior_distributions_and_probabilities_by_deck_temperature() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification/sxm/pass-1.json");
     let Ok(pass) = bmv::job::load(&file) else { panic!("the study loads") };

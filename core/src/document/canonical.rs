@@ -4,6 +4,7 @@
 //! seeds one hash); other numbers have the shortest text that reads back to the same bits; a float with an
 //! integral value prints like the integer, `-0` like `0`. There is no white space.
 
+use crate::math::sort::sort_by;
 use serde_json::{Number, Value};
 
 /// A value without a canonical text.
@@ -45,7 +46,7 @@ fn write(value: &Value, out: &mut String) -> Result<(), NotFinite> {
         Value::Object(map) => {
             // Sorted here, whatever order the map keeps: a dependency may switch that.
             let mut entries: Vec<_> = map.iter().collect();
-            entries.sort_by(|a, b| a.0.as_bytes().cmp(b.0.as_bytes()));
+            sort_by(&mut entries, |a, b| a.0.as_bytes().cmp(b.0.as_bytes()));
             out.push('{');
             for (i, (key, item)) in entries.into_iter().enumerate() {
                 if i > 0 {

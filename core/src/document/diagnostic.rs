@@ -9,6 +9,7 @@ use super::code::Code;
 use super::source::{Place, floor_boundary};
 use super::suggest;
 use super::visible::{escaped, is_hidden, shortened};
+use crate::math::sort::sort_by_key;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, PartialOrd, Ord)]
@@ -314,7 +315,7 @@ impl Diagnostics {
         }
         let rank = |d: &Diagnostic| files.iter().position(|f| *f == d.place.source.name());
         let mut sorted: Vec<&Diagnostic> = self.list.iter().collect();
-        sorted.sort_by_key(|d| (d.severity, rank(d), d.place.span.start));
+        sort_by_key(&mut sorted, |d| (d.severity, rank(d), d.place.span.start));
         sorted
     }
 

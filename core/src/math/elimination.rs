@@ -6,6 +6,7 @@
 
 use super::ordering::minimum_degree;
 use super::sparse::Pattern;
+use crate::math::sort::sort_by_key;
 
 /// Neighbouring blocks merge when no more than this share of the merged front's factor entries are zeros.
 const MERGE_ZERO_SHARE: f64 = 0.2;
@@ -194,7 +195,7 @@ fn postorder(parent: &[usize]) -> Vec<usize> {
     let mut stack = roots;
     while let Some(k) = stack.pop() {
         order.push(k);
-        children[k].sort_by_key(|&c| (weight[c], c));
+        sort_by_key(&mut children[k], |&c| (weight[c], c));
         stack.extend(&children[k]);
     }
     order.reverse();

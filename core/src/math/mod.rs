@@ -11,6 +11,7 @@ pub mod pivoting_lu;
 pub mod quadrature;
 pub mod root;
 pub mod scalar_products;
+pub mod sort;
 pub mod sparse;
 pub mod sparse_lu;
 pub mod special;

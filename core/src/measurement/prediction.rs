@@ -43,6 +43,7 @@ pub struct Predictor {
     capacities_switch: bool,
     /// Whether no node is without storage.
     stores_everywhere: bool,
+    most_steps: Option<u64>,
 }
 
 impl Predictor {
@@ -57,8 +58,15 @@ impl Predictor {
             quantities: model.quantities.clone(),
             nodes: model.nodes.len(),
             stores_everywhere: !model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Arithmetic)),
+            most_steps: None,
             capacities_switch: switched && model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Diffusion { .. })),
         })
+    }
+
+    /// The same with a number of attempted steps after which a transient has no prediction.
+    pub fn with_most_steps(mut self, most_steps: Option<u64>) -> Self {
+        self.most_steps = most_steps;
+        self
     }
 
     /// The compiled network.
@@ -146,6 +154,7 @@ impl Predictor {
         };
         let mut request = TransientRequest::new(parameters, inputs, initial, &inputs.times_s);
         request.balanced = in_balance;
+        request.options.most_steps = self.most_steps.unwrap_or(request.options.most_steps);
         let transient = match self.network.solve_transient(&request) {
             Ok(transient) => transient,
             Err(error) => {

@@ -9,6 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::math::functions::sqrt;
+use crate::math::sort::sort_by;
 use crate::math::special::{normal_cdf, normal_quantile, student_t_cdf, student_t_quantile};
 
 /// Relative differences up to this are rounding, or where a solver stops, whatever the standard errors say.
@@ -104,7 +105,7 @@ impl Comparison {
 /// `p (m - k)` is at most the level.
 pub fn holm(p: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..p.len()).collect();
-    order.sort_by(|&a, &b| p[a].total_cmp(&p[b]));
+    sort_by(&mut order, |&a, &b| p[a].total_cmp(&p[b]));
     let mut rejected = vec![false; p.len()];
     for (position, &index) in order.iter().enumerate() {
         if !(p[index] * (p.len() - position) as f64 <= level) {

@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 
 use crate::expression::{Dependence, ExprId, Graph, Program, Register, Segment, Symbol, Term};
+use crate::math::sort::sort_by_key;
 
 use super::element::heater::Switch;
 use super::element::{Contribution, SignConstraint};
@@ -132,7 +133,7 @@ struct Accumulator {
 impl Accumulator {
     /// Sums what falls on one position, in the order added.
     fn sum(mut self, graph: &mut Graph) -> Vec<(usize, usize, ExprId)> {
-        self.terms.sort_by_key(|&(row, column, _)| (row, column));
+        sort_by_key(&mut self.terms, |&(row, column, _)| (row, column));
         let mut out: Vec<(usize, usize, ExprId)> = Vec::with_capacity(self.terms.len());
         for (row, column, term) in self.terms {
             match out.last_mut() {
@@ -261,7 +262,7 @@ impl Equations {
                 heats: contribution.heat.iter().map(|&(_, heat)| heat).collect(),
             });
         }
-        into_boundary.sort_by_key(|&(node, _)| node);
+        sort_by_key(&mut into_boundary, |&(node, _)| node);
         let jacobian = jacobian.sum(&mut graph);
         let residual_tangent = residual_tangent.sum(&mut graph);
 

@@ -18,6 +18,7 @@ use crate::document::counted;
 use crate::document::time::unit_of_time;
 use crate::inference::likelihood::HALF_LN_TAU;
 use crate::math::functions::ln;
+use crate::math::sort::{sort_by, sort_by_key};
 use crate::measurement::{Doubt, Measurement, Rows};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -75,7 +76,7 @@ fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
         off: reading.error,
     });
     let mut all: Vec<LeftOut> = fitted.chain(unseen).collect();
-    all.sort_by_key(|one| (one.measurement, one.sensor, one.row));
+    sort_by_key(&mut all, |one| (one.measurement, one.sensor, one.row));
     all
 }
 
@@ -155,7 +156,7 @@ fn spikes_of(measurement: &Measurement, series: &[&Series<'_>]) -> (Vec<Vec<usiz
             None => excursions.push(Excursion { measurement: at, row: first, sensors: sensors().collect() }),
         }
     }
-    excursions.sort_by_key(|one| one.row);
+    sort_by_key(&mut excursions, |one| one.row);
     (spike_rows, excursions)
 }
 
@@ -276,7 +277,7 @@ impl Diagnosis {
                 (!faults.is_empty()).then_some((log, faults, place))
             })
             .collect();
-        with_faults.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
+        sort_by(&mut with_faults, |a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
         let without_faults = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         for (_, faults, place) in with_faults.into_iter().take(MOST_REFITTED) {
             let effects = &state.refits[place].effects;
@@ -299,7 +300,7 @@ impl Diagnosis {
             }
             let mut next = without_faults_diagnosis.screen()?;
             next.left_out = [state.left_out.as_slice(), &faults, &next.left_out].concat();
-            next.left_out.sort_by_key(|one| (one.measurement, one.sensor, one.row));
+            sort_by_key(&mut next.left_out, |one| (one.measurement, one.sensor, one.row));
             next.warnings.clone_from(&state.warnings);
             if !effects.is_empty() && !next.is_known(effects) {
                 next.pending.push(FitRequest { effects: effects.clone(), starts: vec![refit.by_name()], from: 0 });

@@ -23,6 +23,7 @@ use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{FitError, Problem, Refit};
 use crate::effect::{Effect, Site};
 use crate::math::functions::{exp, ln};
+use crate::math::sort::{sort_by, sort_by_key};
 use crate::measurement::{Measurement, Rows, total_sd};
 
 /// Times that a model error is estimated.
@@ -207,7 +208,7 @@ impl Diagnosis {
         let mut wanted: Vec<usize> =
             (0..candidates.len()).filter(is_law).filter(|&place| candidates[place].is_group()).collect();
         // What a group melts at is no input: without a start there its linearisation tells nothing at all.
-        wanted.sort_by_key(|&place| candidates[place].bound.len());
+        sort_by_key(&mut wanted, |&place| candidates[place].bound.len());
         wanted.truncate(MOST_PLAIN_LAWS);
         let at_node =
             |&place: &usize| !candidates[place].is_group() && matches!(candidates[place].site, Site::Nodes(_));
@@ -422,7 +423,7 @@ impl Diagnosis {
             })
             .filter(|one| one.log_weight.is_finite())
             .collect();
-        sets.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight).then(a.place.cmp(&b.place)));
+        sort_by(&mut sets, |a, b| b.log_weight.total_cmp(&a.log_weight).then(a.place.cmp(&b.place)));
         sets
     }
 }

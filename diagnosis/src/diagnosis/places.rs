@@ -21,6 +21,7 @@ use crate::diagnosis::screening::screen::Lead;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::{Bound, Candidate, Chosen, Limits, Site, candidates_at};
 use crate::inference::likelihood::Likelihood;
+use crate::math::sort::sort_by;
 use crate::measurement::sensor_places;
 use crate::thermal::NodeKind;
 
@@ -319,7 +320,7 @@ pub fn neighbours(places: &[Signature], most: usize) -> Vec<Vec<usize>> {
                 by_distance.push((distance, place));
             }
         }
-        by_distance.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        sort_by(&mut by_distance, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let near = (0..count).filter_map(|k| by_distance.get(rank(k))).map(|&(_, place)| places[place].index);
         all.push(std::iter::once(places[next].index).chain(near).collect());
         chosen.push(next);

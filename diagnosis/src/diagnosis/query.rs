@@ -4,6 +4,7 @@
 use super::odds::posterior_odds::SURE;
 use super::output::{EffectResult, Output, Verdict};
 use super::verdict::small_effects::IS_MODEL_ERROR;
+use crate::math::sort::sort_by;
 
 /// Rivals that are less probable than this are not named.
 const LEAST_RIVAL: f64 = 0.01;
@@ -32,7 +33,7 @@ impl Output {
         let rivals = self.effects.iter().filter(is_rival);
         let is_more = |other: &&EffectResult| other.probability - own.probability >= SHOWN;
         let mut rivals: Vec<&EffectResult> = rivals.filter(is_more).collect();
-        rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        sort_by(&mut rivals, |a, b| b.probability.total_cmp(&a.probability));
         rivals
     }
 

@@ -10,6 +10,7 @@ use crate::diagnosis::odds::posterior_odds::{best, log_posterior_weights, poster
 use crate::diagnosis::screening::screen::{Lead, Screening};
 use crate::diagnosis::story::falls;
 use crate::diagnosis::{FitError, Problem};
+use crate::math::sort::sort_by;
 
 /// Effects that are tried beside a set, or in the place of one of its members.
 const BESIDE: usize = 8;
@@ -324,7 +325,7 @@ impl Diagnosis {
                 laws.push((error, single));
             }
         }
-        laws.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        sort_by(&mut laws, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, single) in laws.into_iter().take(MOST_BEST_UNSEEN) {
             let candidate = state.refits[single].effects[0];
             state.order(&[&Lead { candidate, fall: 0.0, starts: vec![BTreeMap::new()] }], &set, place);
@@ -385,7 +386,7 @@ impl Diagnosis {
     pub fn order_without_members(&self, state: &mut State) {
         let weights = posterior_odds(self.problem(), &state.refits, None);
         let mut places: Vec<usize> = (0..state.refits.len()).filter(|&place| weights.sets[place] >= PROBABLE).collect();
-        places.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
+        sort_by(&mut places, |&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
         for place in places.into_iter().take(MOST_PROBABLE) {
             let set = state.refits[place].effects.clone();
             for &member in set.iter().filter(|_| set.len() > 1) {

@@ -5,6 +5,7 @@ use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
 use crate::diagnosis::{RISES, Refit};
 use crate::math::functions::{exp, ln};
+use crate::math::sort::sort_by;
 use crate::math::sum::log_sum_exp;
 use std::collections::BTreeSet;
 
@@ -456,7 +457,7 @@ impl Diagnosis {
             .iter()
             .map(|&(effect, place)| Addition { effect, place, probability: exp(logs[place] - total) })
             .collect();
-        additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
+        sort_by(&mut additions, |a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
         let pays = |one: &&Addition| pays(one.place);
         let is_curve = |one: &Addition| self.is_unknown_function(one.effect);
         let candidate = |one: &Addition| &self.problem().candidates[one.effect];
@@ -525,7 +526,7 @@ impl Diagnosis {
             };
             let behind = additions.iter_mut().filter(|one| is_behind(one));
             behind.for_each(|one| one.probability = (one.probability * exp(-SINGLE_PLACE)).min(most));
-            additions.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
+            sort_by(&mut additions, |a, b| b.probability.total_cmp(&a.probability).then(a.effect.cmp(&b.effect)));
             let rest = stays + additions.iter().map(|one| one.probability).sum::<f64>();
             additions.iter_mut().for_each(|one| one.probability /= rest);
             stays /= rest;

@@ -17,6 +17,7 @@ use crate::diagnosis::Problem;
 use crate::diagnosis::linearisation::threshold_levels::thresholds;
 use crate::effect::{Candidate, EffectParameter};
 use crate::inference::target::{LeastSquares, Target};
+use crate::math::sort::sort_by;
 use crate::measurement::Uncertain;
 
 /// Rivals kept.
@@ -93,7 +94,7 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, InjectEr
             }
         }
     }
-    ranked.sort_by(|a, b| b.2.total_cmp(&a.2).then_with(|| a.0.cmp(&b.0)));
+    sort_by(&mut ranked, |a, b| b.2.total_cmp(&a.2).then_with(|| a.0.cmp(&b.0)));
     let mut seen = BTreeSet::new();
     ranked.retain(|(positions, ..)| seen.insert(positions.clone()));
     ranked.truncate(KEPT);
@@ -110,7 +111,7 @@ pub fn rivals(problem: &Problem, hidden: &Hidden) -> Result<Vec<Rival>, InjectEr
         let id = |position: &usize| problem.candidates[*position].id.clone();
         rivals.push(Rival { effects: positions.iter().map(id).collect(), cosine, delta2 });
     }
-    rivals.sort_by(|a, b| a.delta2.total_cmp(&b.delta2).then_with(|| a.effects.cmp(&b.effects)));
+    sort_by(&mut rivals, |a, b| a.delta2.total_cmp(&b.delta2).then_with(|| a.effects.cmp(&b.effects)));
     Ok(rivals)
 }
 

@@ -147,6 +147,7 @@ fn with_given_hyperparameters_the_parameters_are_those_of_generalised_least_squa
 }
 
 #[test]
+#[ignore = "thorough"]
 fn the_posterior_is_that_of_quadrature() {
     // z = theta x + discrepancy + noise; theta ~ N(0, 1), logarithms of variance and length as in `process`.
     let xs = [0.2, 0.6, 1.1, 1.5, 2.0, 2.6, 3.1];

@@ -6,5 +6,6 @@ mod quadrature;
 mod root;
 mod sparse;
 mod sparse_lu;
+mod sort;
 mod special;
 mod sum;

@@ -8,6 +8,7 @@ use crate::inference::estimate::natural::NaturalObjective;
 use crate::inference::estimate::optimise::{Bounds, Minimum, free_variables};
 use crate::inference::estimate::point_estimate::End;
 use crate::inference::target::LeastSquares;
+use crate::math::sort::sort_by;
 
 /// How two parameters act together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,7 +101,7 @@ pub(super) fn findings<T: LeastSquares>(
         // Singular values of the triangular factor keep the digits that the product of the Jacobian with itself loses.
         let (values, directions) = directions(scaled);
         let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        sort_by(&mut order, |&a, &b| values[a].total_cmp(&values[b]));
         for e in order.into_iter().filter(|&e| values[e] * values[e] < FLAT) {
             let mut shares: Vec<Share> = free
                 .iter()
@@ -108,7 +109,7 @@ pub(super) fn findings<T: LeastSquares>(
                 .map(|(a, &i)| Share { parameter: i, weight: directions[(e, a)] })
                 .filter(|share| share.weight.abs() > 0.1)
                 .collect();
-            shares.sort_by(|a, b| b.weight.abs().total_cmp(&a.weight.abs()));
+            sort_by(&mut shares, |a, b| b.weight.abs().total_cmp(&a.weight.abs()));
             findings.push(Finding::FlatDirection { information: values[e] * values[e], shares });
         }
     }

@@ -9,6 +9,7 @@ use crate::inference::estimate::point_estimate::PointEstimate;
 use crate::inference::prior::joint_prior::{JointPrior, STANDARD, unknowns_at};
 use crate::inference::sampler::chains::Chain;
 use crate::inference::target::{LeastSquares, Rejected, Target};
+use crate::math::sort::sort_by;
 use crate::random::Distribution;
 
 /// Shares below this are not named in a direction.
@@ -171,7 +172,7 @@ impl<T: Target> Informed<T> {
                     .map(|parameter| Share { parameter, weight: weights[parameter] / length })
                     .filter(|share| share.weight.abs() > NOTICEABLE)
                     .collect();
-                shares.sort_by(|a, b| b.weight.abs().total_cmp(&a.weight.abs()));
+                sort_by(&mut shares, |a, b| b.weight.abs().total_cmp(&a.weight.abs()));
                 (!shares.is_empty()).then_some(Finding::FlatDirection { information: *information, shares })
             }
             // Products and sums of whitened coordinates say nothing about parameters.

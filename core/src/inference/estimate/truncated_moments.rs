@@ -16,6 +16,7 @@ use crate::inference::estimate::laplace;
 use crate::inference::estimate::optimise::Bounds;
 use crate::math::cholesky;
 use crate::math::functions::{exp, ln_1p};
+use crate::math::sort::sort_by;
 use crate::math::special::{ln_normal_interval, normal_cdf, normal_quantile};
 
 /// A gradient holds a variable where it is more than so many times the root of the curvature.
@@ -154,7 +155,7 @@ pub fn moments(at: &[f64], gradient: &[f64], bounds: &Bounds, curvature: &[f64],
     }
     // What is cut most is drawn first, which leaves the least to the weights (Gibson, Glasbey & Elston 1994).
     let share = |i: usize| ln_normal_interval(room(i).0 / sd[i], room(i).1 / sd[i]);
-    near.sort_by(|&a, &b| share(a).total_cmp(&share(b)).then(a.cmp(&b)));
+    sort_by(&mut near, |&a, &b| share(a).total_cmp(&share(b)).then(a.cmp(&b)));
     let c = near.len();
     let mut factor: Vec<f64> =
         near.iter().flat_map(|&i| near.iter().map(move |&j| (i, j))).map(|(i, j)| covariance[i * k + j]).collect();

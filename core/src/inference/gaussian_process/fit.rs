@@ -9,6 +9,7 @@ use super::descent::{Descended, descend};
 use super::marginal::with_gradient;
 use super::{FEWEST_POINTS, Form, GaussianProcessError, Training};
 use crate::math::functions::ln;
+use crate::math::sort::sort_by;
 use crate::random::{PointKind, Points, StreamKey};
 
 /// Points on which starts compete.
@@ -132,7 +133,7 @@ pub fn fit(training: &Training, form: &Form, search: &Search, key: &StreamKey) -
                 evaluations += share / 3.0;
                 ranked.push((value.unwrap_or(f64::INFINITY), point));
             }
-            ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+            sort_by(&mut ranked, |a, b| a.0.total_cmp(&b.0));
             starts.extend(ranked.into_iter().take(search.further).map(|(_, point)| point));
         }
     }
@@ -143,7 +144,7 @@ pub fn fit(training: &Training, form: &Form, search: &Search, key: &StreamKey) -
         evaluations += share * ended.as_ref().map_or(1.0, |ended| ended.evaluations as f64);
         ends.extend(ended);
     }
-    ends.sort_by(|a, b| a.value.total_cmp(&b.value));
+    sort_by(&mut ends, |a, b| a.value.total_cmp(&b.value));
     let agreeing = ends.iter().filter(|end| end.value < ends[0].value + 0.01 + 2.0 * rough).count() as u64;
     let descents = [starts.len() as u64, agreeing];
     if competing.is_some() {
@@ -158,7 +159,7 @@ pub fn fit(training: &Training, form: &Form, search: &Search, key: &StreamKey) -
             evaluations += ended.as_ref().map_or(1.0, |ended| ended.evaluations as f64);
             whole.extend(ended);
         }
-        whole.sort_by(|a, b| a.value.total_cmp(&b.value));
+        sort_by(&mut whole, |a, b| a.value.total_cmp(&b.value));
         if let Some(first) = whole.first_mut()
             && first.evaluations >= RACE
         {
@@ -177,7 +178,7 @@ pub fn fit(training: &Training, form: &Form, search: &Search, key: &StreamKey) -
             }
         }
         ends = whole;
-        ends.sort_by(|a, b| a.value.total_cmp(&b.value));
+        sort_by(&mut ends, |a, b| a.value.total_cmp(&b.value));
     }
     let Some(best) = ends.into_iter().next() else { return Err(failed) };
     let at_bound = (0..dimension).filter(|&i| best.x[i] <= search.bounds[i][0] || best.x[i] >= search.bounds[i][1]);

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::inference::prior::transform::{Image, Transform};
 use crate::math::cholesky;
+use crate::math::sort::sort_by;
 use crate::random::Distribution;
 
 /// A parameter is determined when its standard deviation is at most this share of its prior's.
@@ -63,7 +64,7 @@ impl Transport {
         // Relative change of the map's slope over a standard deviation.
         let bend = |i: usize| sd[i] * (images[i].log_slope_slope / images[i].slope).abs();
         let mut order: Vec<usize> = (0..n).filter(|&i| determined(i)).collect();
-        order.sort_by(|&a, &b| bend(b).total_cmp(&bend(a)));
+        sort_by(&mut order, |&a, &b| bend(b).total_cmp(&bend(a)));
         if order.len() < 2 {
             return None;
         }

@@ -1,6 +1,8 @@
 //! The coefficients of the implicit scheme: ESDIRK of six stages, order 4 with an embedded order 3, L-stable and
 //! stiffly accurate (Kennedy & Carpenter 2003, Appl. Numer. Math. 44, 139: implicit part of `ARK4(3)6L[2]SA`).
 
+use crate::math::sort::sort_by;
+
 /// Number of stages, the first of which is explicit.
 pub const STAGES: usize = 6;
 
@@ -46,7 +48,7 @@ pub fn error_weight(stage: usize) -> f64 {
 /// Weights with which the slopes of the earlier stages, up to four nearest in time, extrapolate to a stage.
 pub fn predictor(stage: usize) -> [f64; STAGES] {
     let mut near: Vec<usize> = (0..stage).collect();
-    near.sort_by(|&a, &b| (NODES[a] - NODES[stage]).abs().total_cmp(&(NODES[b] - NODES[stage]).abs()));
+    sort_by(&mut near, |&a, &b| (NODES[a] - NODES[stage]).abs().total_cmp(&(NODES[b] - NODES[stage]).abs()));
     near.truncate(4);
     let mut weights = [0.0; STAGES];
     for &i in &near {

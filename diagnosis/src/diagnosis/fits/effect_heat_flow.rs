@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::output::EffectHeat;
 use crate::diagnosis::{Hypothesis, Problem, Refit};
+use crate::math::sort::sort_by;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::measurement::{Measurement, Rows};
@@ -40,7 +41,7 @@ pub(crate) fn effect_heat_flow(problem: &Problem, refit: &Refit, effect: usize) 
         return Vec::new();
     }
     let mut hosts: Vec<(&str, f64)> = largest.into_iter().filter(|(_, watts)| *watts > LEAST * most).collect();
-    hosts.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(b.0)));
+    sort_by(&mut hosts, |a, b| b.1.total_cmp(&a.1).then(a.0.cmp(b.0)));
     hosts.truncate(MOST_NODES);
     hosts.iter().flat_map(|(node, _)| of_node(node, &rows, &with.measurements)).collect()
 }

@@ -10,6 +10,7 @@ use crate::diagnosis::linearisation::signature;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::Effect;
 use crate::inference::target::{LeastSquares, Target};
+use crate::math::sort::sort_by;
 
 /// Exchanges that are tried one by one in steady phases: all those of twenty sensors.
 const MOST_ONE_BY_ONE: usize = 200;
@@ -63,7 +64,7 @@ pub fn exchanges(problem: &Problem, baseline: &Refit, count: usize) -> Result<Ex
             Err(why) => impossible.push((position, why)),
         }
     }
-    improving.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    sort_by(&mut improving, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     improving.truncate(count);
     Ok(Exchanges { likeliest: improving.into_iter().map(|(_, position)| position).collect(), impossible })
 }
@@ -100,7 +101,7 @@ fn likeliest_by_predictions(
         })?;
     }
     let mut order: Vec<(f64, usize)> = least.into_iter().map(|(candidate, square)| (square, candidate)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    sort_by(&mut order, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut likeliest: Vec<usize> = order.into_iter().take(count).map(|(_, candidate)| candidate).collect();
     likeliest.sort_unstable();
     Ok(likeliest)

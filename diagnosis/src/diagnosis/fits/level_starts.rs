@@ -7,6 +7,7 @@ use crate::diagnosis::linearisation::threshold_levels::thresholds;
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::{EffectParameter, Like};
 use crate::inference::target::{LeastSquares, Target};
+use crate::math::sort::sort_by;
 
 /// Sizes that are tried, in plausible ones.
 const SHARES_OF_SIZE: [f64; 3] = [1.0, 0.1, 0.01];
@@ -45,7 +46,7 @@ impl Problem {
             });
             tried.extend(at_level.reduce(|a, b| if b.0 < a.0 { b } else { a }));
         }
-        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut tried, |a, b| a.0.total_cmp(&b.0));
         tried.into_iter().take(STARTS).map(|(_, start)| start).collect()
     }
 }

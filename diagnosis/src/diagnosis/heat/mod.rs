@@ -19,6 +19,7 @@ use crate::math::cholesky;
 use crate::math::dense::{dot_of_columns as dot, square};
 use crate::math::functions::ln;
 use crate::math::scalar_products::{products_between, products_of_all};
+use crate::math::sort::sort_by_key;
 use crate::watch;
 use relations::relations;
 use sources::{Kind, NoHeat, Source, Sources, State, norms};
@@ -96,7 +97,7 @@ impl<'a> Kinds<'a> {
             own.map(|&place| (place, size / self.norms[place])).collect::<Needed>()
         };
         let mut needed: Needed = with.iter().flat_map(of).collect();
-        needed.sort_by_key(|(place, _)| *place);
+        sort_by_key(&mut needed, |(place, _)| *place);
         needed
     }
 

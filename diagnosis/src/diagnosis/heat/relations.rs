@@ -3,6 +3,7 @@
 use super::sources::{Kind, Source};
 use crate::diagnosis::Problem;
 use crate::diagnosis::output::GoesWith;
+use crate::math::sort::sort_by;
 use crate::math::special::student_t_cdf;
 use crate::thermal::Clock;
 
@@ -50,6 +51,6 @@ pub(super) fn relations(problem: &Problem, watts: &[(&Source, f64)]) -> Vec<Goes
             }
         }
     }
-    significant.sort_by(|a, b| a.p.total_cmp(&b.p));
+    sort_by(&mut significant, |a, b| a.p.total_cmp(&b.p));
     significant
 }

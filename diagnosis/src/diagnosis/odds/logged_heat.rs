@@ -40,3 +40,8 @@ fn unused_heats(model: &Model) -> Vec<bool> {
 fn is_heat(input: &Input) -> bool {
     has_dimension(input, "W") || has_dimension(input, "W/m^2")
 }
+
+/// Whether an input warms what it goes through: it is heat, or an electric current.
+pub(crate) fn warms(input: &Input) -> bool {
+    is_heat(input) || has_dimension(input, "A")
+}

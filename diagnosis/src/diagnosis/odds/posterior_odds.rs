@@ -6,6 +6,7 @@ use crate::diagnosis::odds::prior_odds::PriorOdds;
 use crate::diagnosis::story::gains_unseen;
 use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::{exp, ln};
+use crate::math::sort::sort_by;
 use crate::math::sum::log_sum_exp;
 
 /// Sets within this factor of the best are rivals.
@@ -141,7 +142,7 @@ pub fn groups(refits: &[Refit], weights: &SetProbabilities, of: usize, within: f
         *other != of && !effects.is_empty() && effects.len() <= own.len() && weights.sets[*other] > 0.0
     };
     let mut others: Vec<usize> = (0..refits.len()).filter(is_rival).collect();
-    others.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
+    sort_by(&mut others, |&a, &b| weights.sets[b].total_cmp(&weights.sets[a]).then(a.cmp(&b)));
     for other in others {
         let near = weights.sets[other] * within >= weights.sets[of];
         let likely = weights.sets[other] >= LEAST_RIVAL;

@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 
 use crate::diagnosis::Problem;
-use crate::diagnosis::odds::logged_heat::are_of_unused_heat;
+use crate::diagnosis::odds::logged_heat::{are_of_unused_heat, warms};
 use crate::diagnosis::odds::medium::{is_pressure, is_temperature, is_vacuum};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::ln;
@@ -28,6 +28,10 @@ const OUT_OF_PLACE: f64 = 3.0;
 /// Log odds by which heat in proportion to a logged power or irradiance stands before heat in proportion to another input, where the
 /// model uses that power or irradiance nowhere: it was logged for a reason. A convention.
 const LOGGED_HEAT: f64 = 1.5;
+/// Log odds by which a conductance or an exchange area that follows a logged power, irradiance or electric current stands behind one that
+/// follows anything else: these warm, and a path follows a flow, a speed, a pressure or a temperature. It may be that of a fan, so that
+/// the odds are not those of what is out of place. A convention.
+const PATH_BY_HEAT: f64 = 1.5;
 
 /// Time in which a change at a date is as probable as another kind of effect, s: a day. A convention.
 const CHANGES_WITHIN_S: f64 = 86_400.0;
@@ -88,7 +92,8 @@ impl PriorOdds {
             let place = if self.is_out_of_place(problem, effect) { OUT_OF_PLACE } else { 0.0 };
             let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
             let logged = if self.are_of_unused_heat.get(effect) == Some(&true) { LOGGED_HEAT } else { 0.0 };
-            Some(odds + second + logged - place)
+            let by_heat = if is_path_by_heat(problem, effect) { PATH_BY_HEAT } else { 0.0 };
+            Some(odds + second + logged - place - by_heat)
         };
         effects.iter().filter_map(one).sum()
     }
@@ -109,6 +114,16 @@ pub fn log_share_of_changes(measurements: &[Measurement]) -> f64 {
         measured_s += times.first().zip(times.last()).map_or(0.0, |(first, last)| last - first);
     }
     ln((measured_s / CHANGES_WITHIN_S).clamp(LEAST_CHANGES, 1.0))
+}
+
+/// Whether an effect makes paths between nodes follow a power, an irradiance or an electric current.
+fn is_path_by_heat(problem: &Problem, effect: usize) -> bool {
+    let candidate = &problem.candidates[effect];
+    let Site::Elements(elements) = &candidate.site else { return false };
+    let are_paths = elements
+        .iter()
+        .all(|&own| problem.model.elements.get(own).is_some_and(|own| own.physics().between().is_some()));
+    are_paths && candidate.inputs(&problem.model).into_iter().any(|input| warms(&problem.model.inputs[input]))
 }
 
 /// Whether an effect is a hidden node between two nodes that nothing in the baseline model joins.

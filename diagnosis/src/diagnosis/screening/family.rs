@@ -19,6 +19,7 @@ use crate::inference::null_maximum::{Null, Sampling, Several, Side, square_tail}
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
 use crate::math::scalar_products::{coordinates, orthonormal};
+use crate::math::sort::sort_by;
 use crate::math::special::{normal_cdf, normal_quantile, student_t_cdf, weighted_chi_square_sf};
 
 /// Directions are turned into coordinates where so many suffice.
@@ -186,7 +187,7 @@ impl Family {
             let square = prepared.chi_square();
             members.push(member(MemberKind::Omnibus, square, square_tail(square, freedom as f64, degrees)));
         }
-        conditions.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut conditions, |a, b| a.0.total_cmp(&b.0));
         let pressed: Vec<&[f64]> = conditions.iter().map(|(_, column)| column.as_slice()).collect();
         let chosen = orthonormal(&pressed, Vec::new(), 1e-3).1;
         let kept = (0..pressed.len()).filter(|k| chosen.contains(k)).take(LARGEST_CONDITIONS);

@@ -13,6 +13,7 @@ use crate::inference::null_maximum::Side;
 use crate::math::dense::dot_of_columns as dot;
 use crate::math::functions::sqrt;
 use crate::math::scalar_products::{add_scaled, project_out};
+use crate::math::sort::sort_by;
 use crate::math::special::{normal_quantile, weighted_chi_square_sf};
 
 /// Weights of a penalised fit below this count as none.
@@ -100,7 +101,7 @@ impl Prepared {
         }
         let eigen = gram.symmetric_eigen();
         let mut order: Vec<usize> = (0..k).collect();
-        order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]).then(i.cmp(&j)));
+        sort_by(&mut order, |&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]).then(i.cmp(&j)));
         let largest = order.first().map_or(0.0, |&i| eigen.eigenvalues[i]);
         if !(self.largest * self.largest * largest >= 1.0) {
             return found;

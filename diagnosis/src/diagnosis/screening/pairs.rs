@@ -15,6 +15,7 @@ use crate::diagnosis::screening::multi_column::Projected;
 use crate::diagnosis::screening::score::{Column, Prepared, Score};
 use crate::inference::null_maximum::Side;
 use crate::math::dense::dot_of_columns as dot;
+use crate::math::sort::sort_by;
 use crate::watch;
 
 /// Pairs with less than this left of one given the other (`1 - c^2`) are one direction.
@@ -152,7 +153,7 @@ pub fn best_pairs(prepared: &Prepared, directions: &[Direction], scores: &[Score
             }
         })
         .collect();
-    pairs.sort_by(|a, b| {
+    sort_by(&mut pairs, |a, b| {
         b.likelihood_ratio.total_cmp(&a.likelihood_ratio).then(a.first.cmp(&b.first)).then(a.second.cmp(&b.second))
     });
     pairs.truncate(count);

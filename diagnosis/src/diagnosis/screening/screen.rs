@@ -26,6 +26,7 @@ use crate::diagnosis::{Direction, Linear, Problem, Refit};
 use crate::effect::Site;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::null_maximum::Sampling;
+use crate::math::sort::sort_by;
 use crate::measurement::{Measurement, Rows, Uncertain};
 
 /// Effects that are kept.
@@ -230,7 +231,7 @@ impl<'a> Scored<'a> {
         signatures: Signatures<'_>,
     ) -> Result<BTreeMap<usize, Explains>, FitError> {
         let mut ranked: Vec<&Explains> = self.best_of.values().collect();
-        ranked.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+        sort_by(&mut ranked, |a, b| b.fall.total_cmp(&a.fall));
         let shapes = shapes_between(problem, ranked.into_iter().map(|own| &own.direction));
         let mut between = Self::new(self.linear);
         between.prepared.largest = self.prepared.largest;
@@ -269,7 +270,7 @@ impl<'a> Scored<'a> {
             fall(("", vec![a, b])) + fall((own, vec![a])).max(fall((own, vec![b])))
         };
         let mut order: Vec<(f64, usize)> = pairs.into_iter().map(|position| (of(position), position)).collect();
-        order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        sort_by(&mut order, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut chosen: Vec<usize> = order.into_iter().take(MOST_PAIRS_PROBED).map(|(_, position)| position).collect();
         chosen.sort_unstable();
         chosen
@@ -279,7 +280,7 @@ impl<'a> Scored<'a> {
     fn keep(&mut self, entries: usize) {
         let before = self.directions.len();
         let mut order: Vec<usize> = (0..before).collect();
-        order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
+        sort_by(&mut order, |&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
         let mut held = 0;
         order.retain(|&place| {
             held += self.entries(&self.directions[place]);
@@ -299,7 +300,7 @@ impl<'a> Scored<'a> {
     /// Positions of directions, best first.
     fn ranked(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.directions.len()).filter(|&d| self.scores[d].seen).collect();
-        order.sort_by(|&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
+        sort_by(&mut order, |&a, &b| self.fall(b).total_cmp(&self.fall(a)).then(a.cmp(&b)));
         order
     }
 
@@ -454,7 +455,7 @@ impl Diagnosis {
             let better = between.remove(candidate).filter(|better| better.fall > own.fall);
             order.push(better.unwrap_or_else(|| own.clone()));
         }
-        order.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+        sort_by(&mut order, |a, b| b.fall.total_cmp(&a.fall));
         let mut leads: Vec<Lead> = Vec::new();
         for Explains { fall, direction, amplitudes } in order {
             let start = || self.start(problem, &direction, &amplitudes);

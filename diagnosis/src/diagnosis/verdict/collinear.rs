@@ -2,6 +2,7 @@
 
 use crate::diagnosis::Problem;
 use crate::diagnosis::verdict::trend::correlation;
+use crate::math::sort::sort_by;
 
 /// Correlation from which two inputs move together: what one leaves of the other is less than a fifth of its variance.
 const TOGETHER: f64 = 0.9;
@@ -58,6 +59,6 @@ pub fn together(values: &[Vec<f64>], own: usize) -> Vec<(usize, f64)> {
         .map(|other| (other, correlation(&values[own], &values[other])))
         .filter(|(_, correlation)| correlation.abs() >= TOGETHER)
         .collect();
-    others.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
+    sort_by(&mut others, |a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
     others
 }

@@ -20,6 +20,7 @@ use crate::diagnosis::{Problem, Refit};
 use crate::document::counted;
 use crate::document::suggest::listed;
 use crate::math::functions::ln;
+use crate::math::sort::{sort_by, sort_by_key};
 use crate::math::special::chi_square_sf;
 use crate::measurement::Doubt;
 use std::cell::RefCell;
@@ -314,7 +315,7 @@ impl Diagnosis {
         let mut screened = 0;
         loop {
             let mut probable: Vec<usize> = (1..count).filter(|&place| weights.sets[place] >= LEAST_TESTED).collect();
-            probable.sort_by(|&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
+            sort_by(&mut probable, |&a, &b| weights.sets[b].total_cmp(&weights.sets[a]));
             let Some(&place) = probable.iter().find(|&&place| !asked[place]) else { return found };
             asked[place] = true;
             let Some(own) = test_of(place).filter(Predicted::is_rejected) else { continue };
@@ -404,6 +405,6 @@ fn given_up(state: &State) -> Option<String> {
 /// What is doubtful about the data; starts first, since all that follows shows them.
 fn doubts(problem: &Problem) -> Vec<Doubt> {
     let mut doubts: Vec<Doubt> = problem.measurements.iter().flat_map(|own| own.doubts.iter().cloned()).collect();
-    doubts.sort_by_key(|doubt| !doubt.is_of_start());
+    sort_by_key(&mut doubts, |doubt| !doubt.is_of_start());
     doubts
 }

@@ -10,6 +10,7 @@ use crate::diagnosis::verdict::discriminating_experiment::{
 use crate::diagnosis::verdict::rival::{Predicted, Rival, square};
 use crate::diagnosis::verdict::tested::{self, Tested};
 use crate::math::functions::pow;
+use crate::math::sort::sort_by;
 use crate::measurement::prediction::{Prediction, Predictor};
 use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows};
 use crate::thermal::{Clock, Model};
@@ -116,7 +117,7 @@ fn steps(problem: &Problem, wide: bool) -> Vec<Stepped> {
         let between = if wide { Some([lower, upper]) } else { moved };
         inputs.extend(between.map(|between| (share, index, between)));
     }
-    inputs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    sort_by(&mut inputs, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     inputs.truncate(MOST_INPUTS);
     let both = move |(_, input, [low, high]): (f64, usize, [f64; 2])| {
         let one = |from: f64, to: f64| Stepped { input, from, to, is_wide: wide };

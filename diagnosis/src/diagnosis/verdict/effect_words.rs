@@ -10,6 +10,7 @@ use crate::document::time::unit_of_time;
 use crate::effect::candidate::GROUP;
 use crate::expression::Unit;
 use crate::expression::unit::CELSIUS_ZERO_K;
+use crate::math::sort::sort_by;
 use crate::measurement::{Rows, calendar};
 use crate::random::Distribution;
 use crate::thermal::Clock;
@@ -87,7 +88,7 @@ pub(super) fn onset(effect: &EffectResult, problem: &Problem) -> String {
     {
         return words;
     }
-    phases.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut phases, |a, b| a.0.total_cmp(&b.0));
     let after = phases.partition_point(|phase| phase.0 <= amount.most_probable);
     match (after.checked_sub(1).map(|before| phases[before].1), phases.get(after)) {
         (Some(before), Some((_, after))) => format!(", between the phases {before} and {after}"),
@@ -118,7 +119,7 @@ const BESIDE: f64 = 0.005;
 /// When a change at a date sets in, where several transients follow one another: in which of them and at which of its times, or
 /// between which. `None` where there are less than two.
 pub fn in_runs(amount: &Amount, mut runs: Vec<Run<'_>>) -> Option<String> {
-    runs.sort_by(|a, b| a.from.total_cmp(&b.from));
+    sort_by(&mut runs, |a, b| a.from.total_cmp(&b.from));
     let date = amount.most_probable;
     let is_between = |pair: &[Run<'_>]| {
         let beside = |run: &Run<'_>| amount.sd.max(BESIDE * (run.to - run.from)).min(0.5 * (run.to - run.from));

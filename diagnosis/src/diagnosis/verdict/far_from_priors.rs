@@ -6,6 +6,7 @@ use crate::diagnosis::verdict::numbers::{joined, short, stated};
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::Site;
 use crate::expression::Unit;
+use crate::math::sort::sort_by;
 use crate::thermal::Parameter;
 
 /// Standard deviations of a prior from which a fitted value is far from it: one in 30,000 lies there.
@@ -27,7 +28,7 @@ pub fn in_words(problem: &Problem, refit: &Refit) -> Option<String> {
         !priors.into_iter().any(|site| matches!(site, Site::Parameter(own) if own == *index))
     };
     let mut far: Vec<_> = problem.parameters.iter().filter(is_asked).filter_map(own).collect();
-    far.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()).then(a.1.name.cmp(&b.1.name)));
+    sort_by(&mut far, |a, b| b.0.abs().total_cmp(&a.0.abs()).then(a.1.name.cmp(&b.1.name)));
     let one = |(away, parameter, value, median): &(f64, &Parameter, f64, f64)| {
         let (number, unit) = shown(parameter, *median);
         format!(

@@ -8,6 +8,7 @@ use crate::diagnosis::story::{Step, Story};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::storage_alternative::StorageAlternative;
 use crate::diagnosis::{Problem, Refit};
+use crate::math::sort::sort_by;
 use std::collections::BTreeMap;
 
 /// The sets, weighed, and which of them is said.
@@ -84,7 +85,7 @@ impl Findings<'_> {
             rest.map_or(f64::NEG_INFINITY, |rest| rest.log_evidence)
         };
         let mut order: Vec<(f64, usize)> = own.iter().map(|&effect| (without(effect), effect)).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        sort_by(&mut order, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         order.into_iter().map(|(_, effect)| effect).collect()
     }
 

@@ -8,6 +8,7 @@ use crate::diagnosis::odds::posterior_odds::{MOST_RIVALS, RIVALS_WITHIN};
 use crate::diagnosis::odds::sampling::{odds_by_chance, standard_error};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::math::functions::{exp, ln};
+use crate::math::sort::sort_by;
 
 /// Log odds by which the small effect that gains most stands before another one, in squares of a standard normal deviate: the largest
 /// of about ten has twice their logarithm (Cramér 1946, Mathematical Methods of Statistics, section 28.6).
@@ -39,7 +40,9 @@ impl Findings<'_> {
         let tempering = self.tempering(&logs);
         let odds = |own: &Alternative| exp(-own.lag.max(0.0) / tempering).max(self.odds_by_chance(own));
         let mut all: Vec<(f64, Alternative)> = self.lags(&logs).into_iter().map(|own| (odds(&own), own)).collect();
-        all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.lag.total_cmp(&b.1.lag)).then(a.1.effect.cmp(&b.1.effect)));
+        sort_by(&mut all, |a, b| {
+            b.0.total_cmp(&a.0).then(a.1.lag.total_cmp(&b.1.lag)).then(a.1.effect.cmp(&b.1.effect))
+        });
         let members = self.members();
         for group in 0..self.groups.len() {
             let is_near = |(odds, own): &&(f64, Alternative)| own.group == group && odds * RIVALS_WITHIN >= 1.0;
@@ -131,7 +134,7 @@ impl Findings<'_> {
                 let mut others: Vec<usize> =
                     effects.iter().copied().filter(|effect| !members.contains(effect)).collect();
                 // The strongest stands for the strongest.
-                others.sort_by(|&a, &b| alone(b).total_cmp(&alone(a)).then(a.cmp(&b)));
+                sort_by(&mut others, |&a, &b| alone(b).total_cmp(&alone(a)).then(a.cmp(&b)));
                 for (position, &effect) in others.iter().enumerate() {
                     let is_for_small = (absent.len()..absent.len() + small_absent).contains(&position);
                     let Some(&group) = absent.get(position).or(absent.last()).filter(|_| !is_for_small) else {

@@ -21,6 +21,7 @@ use crate::effect::form::ParameterForm;
 use crate::effect::{Bound, Candidate, Like};
 use crate::expression::Unit;
 use crate::math::functions::exp;
+use crate::math::sort::sort_by;
 use crate::math::sum::log_sum_exp;
 use crate::measurement::unknown::start_name;
 use crate::measurement::{Rows, sensor_places, total_sd};
@@ -135,7 +136,7 @@ impl Diagnosis {
         // What is selected in its order, then what else is probable.
         let steps = findings.in_order();
         let step = |effect: usize| steps.iter().position(|&one| one == effect).unwrap_or(steps.len());
-        ranked.sort_by(|a, b| {
+        sort_by(&mut ranked, |a, b| {
             step(a.2).cmp(&step(b.2)).then(b.0.total_cmp(&a.0)).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2))
         });
         ranked.truncate(MOST_WRITTEN);
@@ -301,7 +302,7 @@ pub(super) fn models(findings: &Findings<'_>) -> Vec<ModelResult> {
     let refits = &findings.state.refits;
     let mut order: Vec<usize> = (0..refits.len()).collect();
     let probabilities = probabilities_of_sets(findings);
-    order.sort_by(|&a, &b| probabilities[b].total_cmp(&probabilities[a]).then(a.cmp(&b)));
+    sort_by(&mut order, |&a, &b| probabilities[b].total_cmp(&probabilities[a]).then(a.cmp(&b)));
     let result = |place: usize| {
         let refit = &refits[place];
         ModelResult {

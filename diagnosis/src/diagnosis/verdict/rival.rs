@@ -8,6 +8,7 @@ use crate::inference::information::separation;
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::inference::target::{LeastSquares, Target};
 use crate::math::cholesky;
+use crate::math::sort::sort_by;
 use crate::measurement::Measurement;
 
 /// Whitened readings by which a measurement tells two rivals apart: those in which they differ most.
@@ -109,7 +110,7 @@ pub(super) fn square(truth: &Predicted, rival: &Rival<'_>, other: &Predicted, ro
     let mut rows = rows.to_vec();
     if rows.len() > MOST_READINGS {
         let apart = |row: usize| (truth.residuals[row] - other.residuals[row]).abs();
-        rows.sort_by(|&a, &b| apart(b).total_cmp(&apart(a)).then(a.cmp(&b)));
+        sort_by(&mut rows, |&a, &b| apart(b).total_cmp(&apart(a)).then(a.cmp(&b)));
         rows.truncate(MOST_READINGS);
         rows.sort_unstable();
     }

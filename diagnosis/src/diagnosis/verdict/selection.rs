@@ -8,6 +8,7 @@ use crate::diagnosis::odds::posterior_odds::{
 use crate::diagnosis::story::{SINGLE_PLACE, Story, gains_unseen, rises};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::math::functions::{exp, pow};
+use crate::math::sort::sort_by_key;
 use crate::math::special::normal_quantile;
 
 impl Findings<'_> {
@@ -29,7 +30,7 @@ impl Findings<'_> {
             }
             self.rivals =
                 step.additions.iter().filter(|one| group.contains(&one.effect)).map(|one| one.place).collect();
-            self.rivals.sort_by_key(|place| *place != chosen);
+            sort_by_key(&mut self.rivals, |place| *place != chosen);
             self.groups.push(group);
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::Problem;
 use crate::math::functions::sqrt;
+use crate::math::sort::sort_by;
 use crate::measurement::Rows;
 
 /// Rank correlation with time (Spearman 1904) from which an input follows it.
@@ -41,7 +42,7 @@ fn follows_time(problem: &Problem, input: usize) -> bool {
 /// Ranks from 0; equal values share the mean of theirs.
 pub fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    sort_by(&mut order, |&a, &b| values[a].total_cmp(&values[b]));
     let mut ranks = vec![0.0; values.len()];
     let mut first = 0;
     for same in order.chunk_by(|&a, &b| values[a] == values[b]) {

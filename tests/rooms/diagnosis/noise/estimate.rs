@@ -76,6 +76,7 @@ fn of_many(noises: &[EstimatedNoise], rows: usize, seed: u64) -> Vec<EstimatedNo
 /// A fifth of the variance correlated over two intervals is recognised by one sensor of 150 readings in half of the
 /// cases, and by six together nearly always; one such sensor among five white ones stays alone.
 #[test]
+#[ignore = "thorough"]
 fn sensors_that_are_alike_are_judged_together() {
     let correlated = split(0.3, 0.2, 120.0);
     let (mut lone, mut all, mut few) = (0, 0, 0);
@@ -95,6 +96,7 @@ fn sensors_that_are_alike_are_judged_together() {
 }
 
 #[test]
+#[ignore = "thorough"]
 fn white_noise_of_known_size_stays_white_and_correlated_noise_is_found() {
     let (rows, step) = (400, 60.0);
     let series = SensorRows {

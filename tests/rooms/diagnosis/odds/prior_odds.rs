@@ -2,7 +2,7 @@
 
 use bmv::diagnosis::odds::prior_odds::*;
 use bmv::document::Diagnostics;
-use bmv::effect::Catalogue;
+use bmv::effect::{Bound, Catalogue, Site};
 use bmv::math::functions::ln;
 use bmv::measurement::Rows;
 use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
@@ -66,4 +66,35 @@ fn what_needs_something_rare_is_a_twentieth_as_probable() {
     let odds = PriorOdds::new(&problem);
     let behind = odds.of(&problem, &[load]) - odds.of(&problem, &[evaporation]) - fewer;
     assert!(behind.abs() < 1e-12, "{behind}");
+}
+
+/// A path that follows what warms is exp(-1.5) times as probable as one that follows a flow; a load that does is as probable as another.
+#[test]
+fn a_path_rather_follows_a_flow_than_a_power_or_an_electric_current() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+    let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    let heater = problem.model.inputs.iter().position(|input| input.unit == "W").unwrap();
+    let at = |effect: &str, is_path: bool| {
+        let is_here = |own: &bmv::effect::Candidate| {
+            let Site::Elements(elements) = &own.site else { return false };
+            let is = elements.iter().all(|&element| problem.model.elements[element].physics().between().is_some());
+            own.effect == effect && own.bound == [Bound::Input(heater)] && is == is_path
+        };
+        problem.candidates.iter().position(is_here).unwrap()
+    };
+    let gain = |candidate: usize, unit: &str| {
+        let mut other = problem.clone();
+        Arc::make_mut(&mut other.model).inputs[heater].unit = unit.to_owned();
+        let of = |problem: &_| PriorOdds::new(problem).of(problem, &[candidate]);
+        of(&other) - of(&problem)
+    };
+    for effect in ["input-dependent-conductance", "conductance-step"] {
+        let path = at(effect, true);
+        for (unit, expected) in [("A", 0.0), ("W/m^2", 0.0), ("kg/s", 1.5), ("m/s", 1.5), ("degC", 1.5), ("V", 1.5)] {
+            let gained = gain(path, unit);
+            assert!((gained - expected).abs() < 1e-12, "{effect}, {unit}: {gained}");
+        }
+    }
+    assert_eq!(gain(at("input-dependent-load", false), "kg/s"), 0.0);
 }
