@@ -285,8 +285,12 @@ fn sensors(output: &Output) -> Vec<Block> {
     if has_held_out {
         columns.push(Column::text("Readings"));
     }
+    let within = output.criteria.each_k.map_or_else(
+        || "Within limit".to_owned(),
+        |limit| format!("Within {} K", crate::report::number::as_given(limit)),
+    );
     columns.extend(
-        ["Number", "Mean", "Standard deviation", "RMSE", "RMSE of noise alone", "Largest", "Within limit"]
+        ["Number", "Mean", "Standard deviation", "RMSE", "RMSE of noise alone", "Largest", within.as_str()]
             .map(|t| Column::number(t, "")),
     );
     columns.push(Column::text("Unit"));

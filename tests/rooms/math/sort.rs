@@ -11,7 +11,7 @@ fn list(count: u64) -> Vec<(u64, u64)> {
 fn the_order_is_that_of_the_standard_library_with_equals_as_they_stood() {
     for count in [0, 1, 2, 3, 20, 21, 500] {
         let (mut expected, mut down, mut up) = (list(count), list(count), list(count));
-        expected.sort_by(|a, b| b.0.cmp(&a.0));
+        expected.sort_by_key(|own| std::cmp::Reverse(own.0));
         sort_by(&mut down, |a, b| b.0.cmp(&a.0));
         assert_eq!(down, expected, "{count}");
         expected.sort_by_key(|own| own.1);
