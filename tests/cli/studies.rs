@@ -171,7 +171,7 @@ fn compare_reads_from_the_verdict_to_the_heat_balance() {
     Deviations by sensor. An RMSE above the 95 % range that the sensor's noise alone would give is
     marked as a failure, one below it as worth a look.
     Sensor  Readings  Number   Mean   Standard  RMSE        RMSE of  Largest  Within  Unit
-                                     deviation          noise alone            limit
+                                     deviation          noise alone              3 K
     ------  --------  ------  -----  ---------  -----  ------------  -------  ------  ----
     plate   for fits       1  +3.00       0.00  3.00!  0.02 to 1.12     3.00   100 %  K
     plate   held out       1  +3.00       0.00  3.00!  0.02 to 1.12     3.00   100 %  K

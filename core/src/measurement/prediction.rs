@@ -43,7 +43,7 @@ pub struct Predictor {
     capacities_switch: bool,
     /// Whether no node is without storage.
     stores_everywhere: bool,
-    most_steps: Option<u64>,
+    most_steps_a_row: Option<u64>,
 }
 
 impl Predictor {
@@ -58,14 +58,14 @@ impl Predictor {
             quantities: model.quantities.clone(),
             nodes: model.nodes.len(),
             stores_everywhere: !model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Arithmetic)),
-            most_steps: None,
+            most_steps_a_row: None,
             capacities_switch: switched && model.nodes.iter().any(|n| matches!(n.kind, NodeKind::Diffusion { .. })),
         })
     }
 
-    /// The same with a number of attempted steps after which a transient has no prediction.
-    pub fn with_most_steps(mut self, most_steps: Option<u64>) -> Self {
-        self.most_steps = most_steps;
+    /// The same with a number of attempted steps, times the rows of a transient, after which that has no prediction.
+    pub fn with_most_steps_a_row(mut self, most_steps_a_row: Option<u64>) -> Self {
+        self.most_steps_a_row = most_steps_a_row;
         self
     }
 
@@ -142,7 +142,7 @@ impl Predictor {
         prediction: &mut Prediction,
     ) {
         let Rows::Transient { inputs, initial, .. } = &measurement.rows else { return };
-        let sensors = &measurement.sensors;
+        let (sensors, rows) = (&measurement.sensors, inputs.times_s.len());
         let start: Vec<f64>;
         let (initial, in_balance): (_, &[usize]) = match initial {
             Initial::Temperatures { values, balanced, .. } => {
@@ -154,7 +154,9 @@ impl Predictor {
         };
         let mut request = TransientRequest::new(parameters, inputs, initial, &inputs.times_s);
         request.balanced = in_balance;
-        request.options.most_steps = self.most_steps.unwrap_or(request.options.most_steps);
+        if let Some(most) = self.most_steps_a_row {
+            request.options.most_steps = most.saturating_mul(rows as u64).min(request.options.most_steps);
+        }
         let transient = match self.network.solve_transient(&request) {
             Ok(transient) => transient,
             Err(error) => {
@@ -162,7 +164,6 @@ impl Predictor {
                 return;
             }
         };
-        let rows = inputs.times_s.len();
         let quantities = self.network.quantities();
         for (position, sensor) in sensors.iter().enumerate() {
             let truth: Vec<f64> =

@@ -7,7 +7,6 @@
 use std::collections::HashMap;
 
 use crate::expression::{Dependence, ExprId, Graph, Program, Register, Segment, Symbol, Term};
-use crate::math::sort::sort_by_key;
 
 use super::element::heater::Switch;
 use super::element::{Contribution, SignConstraint};
@@ -133,7 +132,7 @@ struct Accumulator {
 impl Accumulator {
     /// Sums what falls on one position, in the order added.
     fn sum(mut self, graph: &mut Graph) -> Vec<(usize, usize, ExprId)> {
-        sort_by_key(&mut self.terms, |&(row, column, _)| (row, column));
+        self.terms.sort_by_key(|&(row, column, _)| (row, column));
         let mut out: Vec<(usize, usize, ExprId)> = Vec::with_capacity(self.terms.len());
         for (row, column, term) in self.terms {
             match out.last_mut() {
@@ -262,7 +261,7 @@ impl Equations {
                 heats: contribution.heat.iter().map(|&(_, heat)| heat).collect(),
             });
         }
-        sort_by_key(&mut into_boundary, |&(node, _)| node);
+        into_boundary.sort_by_key(|&(node, _)| node);
         let jacobian = jacobian.sum(&mut graph);
         let residual_tangent = residual_tangent.sum(&mut graph);
 

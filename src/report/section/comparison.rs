@@ -275,7 +275,11 @@ fn sensors(output: &Output) -> Vec<Block> {
                     .map_or_else(|| NONE.to_owned(), |[a, b]| format!("{} to {}", fixed(a, digits), fixed(b, digits)))
                     .into(),
                 fixed(deviation.max, digits).into(),
-                percent(deviation.within_limit, 0).into(),
+                if sensor.unit == KELVIN && output.criteria.each_k.is_some() {
+                    percent(deviation.within_limit, 0).into()
+                } else {
+                    NONE.into()
+                },
                 crate::report::number::typeset(&sensor.unit).into(),
             ]);
             rows.push(row);

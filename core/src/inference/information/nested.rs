@@ -8,7 +8,6 @@
 //! `z` and no more.
 
 use crate::math::functions::{exp, ln};
-use crate::math::sort::sort_by;
 
 /// Half the squared distance beyond which a term is below 1e-16.
 const CUT: f64 = 36.841_361_487_904_73;
@@ -87,7 +86,7 @@ impl Inner {
         let half = |rows: &[&[f64]]| {
             let mut kept: Vec<&[f64]> =
                 rows.iter().copied().filter(|row| row.iter().all(|value| value.is_finite())).collect();
-            sort_by(&mut kept, |a, b| a[lead].total_cmp(&b[lead]));
+            kept.sort_by(|a, b| a[lead].total_cmp(&b[lead]));
             let others = |row: &&[f64]| -> Vec<f64> {
                 row.iter().enumerate().filter(|(reading, _)| *reading != lead).map(|(_, value)| *value).collect()
             };

@@ -7,7 +7,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::math::functions::{exp, exp_m1, ln, ln_1p};
-use crate::math::sort::sort_by;
 use crate::math::sum::log_sum_exp;
 
 /// Smoothed weights.
@@ -30,7 +29,7 @@ pub fn smooth(log_ratios: &[f64], relative_efficiency: f64) -> SmoothedWeights {
     }
     let mut log_weights: Vec<f64> = log_ratios.iter().map(|l| l - largest).collect();
     let mut order: Vec<usize> = (0..count).collect();
-    sort_by(&mut order, |&a, &b| log_weights[a].total_cmp(&log_weights[b]));
+    order.sort_by(|&a, &b| log_weights[a].total_cmp(&log_weights[b]));
     let size = count as f64;
     let tail = (size / 5.0).min(3.0 * (size / relative_efficiency).sqrt()).ceil() as usize;
     let cut = if tail < count { log_weights[order[count - tail - 1]] } else { f64::NEG_INFINITY };

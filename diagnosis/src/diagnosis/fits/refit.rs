@@ -20,7 +20,6 @@ use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, e
 use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::Target;
-use crate::measurement::Measurement;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
@@ -132,6 +131,10 @@ const MAY_LACK: f64 = 6.0;
 const IS_NOTHING: f64 = 1e-6;
 /// Log odds by which an effect stands behind others whose threshold no fitted row crosses: what it does there, plainer laws do.
 const NOT_CROSSED: f64 = 10.0;
+/// Attempted steps for each row of a transient after which effects have no prediction of it, held-out rows among these: a thermostat that cycles
+/// every few seconds within rows of an hour takes some thousands. Where a fitted law makes held-out rows unstable, an integrator would
+/// crawl through them for minutes.
+const STEPS_A_ROW: u64 = 5000;
 /// Times the usual local error of a step where a fit only begins: some millikelvins.
 pub(crate) const TOLERANCE_ON_FEWER_ROWS: f64 = 10.0;
 
@@ -292,23 +295,10 @@ impl Problem {
             rmse_held_out_k: None,
             held_out: Vec::new(),
         };
-        refit.score(&hypothesis, &likelihood, self.most_steps_of_prediction())?;
+        refit.score(&hypothesis, &likelihood)?;
         self.weigh_sizes(&mut refit, places);
         refit.log_evidence -= NOT_CROSSED * self.levels_not_crossed(&refit) as f64;
         Ok((refit, widths_at))
-    }
-
-    /// Attempted steps after which a transient has no prediction, in the longest of them as many for a row as a fit may take in any: where
-    /// a fitted law makes held-out rows unstable, an integrator would crawl through them for minutes.
-    fn most_steps_of_prediction(&self) -> Option<u64> {
-        let most_steps = self.most_steps.iter().copied().zip(&self.measurements);
-        let of_row = most_steps.filter_map(|(most, measurement)| {
-            let fitted =
-                (0..measurement.len()).rev().find(|&row| !measurement.ignored(row) && !measurement.held_out(row))?;
-            Some(most / (fitted as u64 + 1))
-        });
-        let longest = self.measurements.iter().map(Measurement::len).max()?;
-        Some(of_row.max().filter(|most| *most > 0)?.saturating_mul(longest as u64))
     }
 
     /// Adds the odds of the widths of a fit's priors. A size that carries no more heat than the model moves is as probable as another.
@@ -458,13 +448,9 @@ impl Refit {
     ///
     /// # Errors
     /// A row, held out perhaps, in which the model has no solution.
-    fn score(
-        &mut self,
-        hypothesis: &Hypothesis,
-        likelihood: &Likelihood,
-        most_steps: Option<u64>,
-    ) -> Result<(), FitError> {
-        let predictor = Predictor::new(&hypothesis.model, &[])?.with_most_steps(most_steps);
+    fn score(&mut self, hypothesis: &Hypothesis, likelihood: &Likelihood) -> Result<(), FitError> {
+        let most_steps = (!self.effects.is_empty()).then_some(STEPS_A_ROW);
+        let predictor = Predictor::new(&hypothesis.model, &[])?.with_most_steps_a_row(most_steps);
         let full = likelihood.full_parameters(&self.unknowns);
         let names = likelihood.names();
         let find = |name: &str| names.iter().position(|unknown| unknown == name).map(|place| self.unknowns[place]);

@@ -28,9 +28,9 @@ const OUT_OF_PLACE: f64 = 3.0;
 /// Log odds by which heat in proportion to a logged power or irradiance stands before heat in proportion to another input, where the
 /// model uses that power or irradiance nowhere: it was logged for a reason. A convention.
 const LOGGED_HEAT: f64 = 1.5;
-/// Log odds by which a conductance or an exchange area that follows a logged power, irradiance or electric current stands behind one that
-/// follows anything else: these warm, and a path follows a flow, a speed, a pressure or a temperature. It may be that of a fan, so that
-/// the odds are not those of what is out of place. A convention.
+/// Log odds by which a path that follows a logged power, irradiance or electric current stands behind one that follows anything else:
+/// these warm, and a path follows a flow, a speed, a pressure or a temperature. It may be that of a fan, so that the odds are not those of
+/// what is out of place. A convention.
 const PATH_BY_HEAT: f64 = 1.5;
 
 /// Time in which a change at a date is as probable as another kind of effect, s: a day. A convention.
@@ -116,14 +116,22 @@ pub fn log_share_of_changes(measurements: &[Measurement]) -> f64 {
     ln((measured_s / CHANGES_WITHIN_S).clamp(LEAST_CHANGES, 1.0))
 }
 
-/// Whether an effect makes paths between nodes follow a power, an irradiance or an electric current.
+/// Whether an effect makes paths between nodes follow nothing but powers, irradiances and electric currents. An effect that states the unit of
+/// its input, such as that of a switch that is driven by a current, means it.
 fn is_path_by_heat(problem: &Problem, effect: usize) -> bool {
     let candidate = &problem.candidates[effect];
-    let Site::Elements(elements) = &candidate.site else { return false };
-    let are_paths = elements
-        .iter()
-        .all(|&own| problem.model.elements.get(own).is_some_and(|own| own.physics().between().is_some()));
-    are_paths && candidate.inputs(&problem.model).into_iter().any(|input| warms(&problem.model.inputs[input]))
+    let (Site::Elements(elements), Some(own)) = (&candidate.site, problem.catalogue.get(&candidate.effect)) else {
+        return false;
+    };
+    let is_path = |&element: &usize| {
+        let element: Option<&Element> = problem.model.elements.get(element);
+        element.is_some_and(|element| element.physics().between().is_some())
+    };
+    let warms = |bound: &Bound| matches!(bound, Bound::Input(input) if warms(&problem.model.inputs[*input]));
+    let mut inputs = own.form.inputs.iter().zip(&candidate.bound);
+    !candidate.bound.is_empty()
+        && elements.iter().all(is_path)
+        && inputs.all(|(form, bound)| form.value.unit.is_none() && warms(bound))
 }
 
 /// Whether an effect is a hidden node between two nodes that nothing in the baseline model joins.
