@@ -4,8 +4,9 @@
 //! seeds one hash); other numbers have the shortest text that reads back to the same bits; a float with an
 //! integral value prints like the integer, `-0` like `0`. There is no white space.
 
-use crate::math::sort::sort_by;
 use serde_json::{Number, Value};
+
+use crate::math::sort::sort_by;
 
 /// A value without a canonical text.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

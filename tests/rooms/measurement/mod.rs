@@ -1,3 +1,4 @@
 mod clock;
 mod lag;
+mod prediction;
 mod scatter;

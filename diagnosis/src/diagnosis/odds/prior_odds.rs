@@ -123,10 +123,8 @@ fn is_path_by_heat(problem: &Problem, effect: usize) -> bool {
     let (Site::Elements(elements), Some(own)) = (&candidate.site, problem.catalogue.get(&candidate.effect)) else {
         return false;
     };
-    let is_path = |&element: &usize| {
-        let element: Option<&Element> = problem.model.elements.get(element);
-        element.is_some_and(|element| element.physics().between().is_some())
-    };
+    let is_path =
+        |&place: &usize| problem.model.elements.get(place).is_some_and(|own| own.physics().between().is_some());
     let warms = |bound: &Bound| matches!(bound, Bound::Input(input) if warms(&problem.model.inputs[*input]));
     let mut inputs = own.form.inputs.iter().zip(&candidate.bound);
     !candidate.bound.is_empty()
