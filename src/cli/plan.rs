@@ -88,7 +88,10 @@ impl PlanVerb {
             let unused = influence::unused(&pass.pass);
             if !unused.is_empty() {
                 let names = listed(unused, NAMED);
-                tell(&format!("note: {}: no sensor reading depends on {names} in this model", pass.shown));
+                tell(&format!(
+                    "note: {}: no sensor reading depends on {names} in this model; a diagnosis looks there too for what is missing",
+                    pass.shown
+                ));
             }
         }
         memory::check(&lines)?;

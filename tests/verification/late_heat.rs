@@ -84,3 +84,14 @@ fn a_sensor_beside_the_heater_is_named() {
     assert_eq!(output.selected, ["sensor-gradient:plate:Q"], "{:?}", output.words);
     is_found(&output, "sensor-gradient:plate:Q", "excess", 0.1);
 }
+
+/// Heat of which nothing arrives within the run is not late: no heat capacity explains that a heater is off.
+#[test]
+#[ignore = "thorough"]
+fn a_heater_that_is_off_has_no_heat_capacity() {
+    let output = diagnosed(Some([1e9, 1e-6]), 0.0);
+    let late = output.effects.iter().filter(|own| own.effect == "heater-capacity");
+    let late: f64 = late.map(|own| own.probability).sum();
+    assert!(late < 0.01, "{late}: {:?}", output.words);
+    assert_eq!(output.selected, ["input-proportional-load:plate:Q"], "{:?}", output.words);
+}

@@ -23,6 +23,7 @@ mod late_heat;
 mod leaves;
 mod likelihood;
 mod linear_diagnosis;
+mod linear_law;
 mod margins;
 mod melting;
 mod model_error;

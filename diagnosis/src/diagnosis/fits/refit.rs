@@ -7,19 +7,20 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::fits::other_noise::{self, Direction, directions};
+use crate::diagnosis::fits::out_of_range::OUT_OF_RANGE;
 use crate::diagnosis::fits::size::is_within_model;
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
-use crate::diagnosis::linearisation::threshold_levels::is_crossed;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::document::packed;
-use crate::effect::{EffectParameter, Site};
+use crate::effect::Site;
 use crate::expression::Unit;
 use crate::inference::estimate::point_estimate::{PointEstimate, PointSettings, estimate};
 use crate::inference::estimate::truncated_moments::Moments;
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::Target;
+use crate::math::functions::sqrt;
 use crate::measurement::prediction::Predictor;
 use crate::measurement::unknown::with_unknowns;
 use crate::random::StreamKey;
@@ -129,8 +130,6 @@ const LEAST_GAIN_OF_LONG_TRANSIENTS: f64 = 2e-2;
 const MAY_LACK: f64 = 6.0;
 /// Standard deviations of a size below which it is none.
 const IS_NOTHING: f64 = 1e-6;
-/// Log odds by which an effect stands behind others whose threshold no fitted row crosses: what it does there, plainer laws do.
-const NOT_CROSSED: f64 = 10.0;
 /// Attempted steps for each row of a transient after which effects have no prediction of it, held-out rows among these: a thermostat that cycles
 /// every few seconds within rows of an hour takes some thousands. Where a fitted law makes held-out rows unstable, an integrator would
 /// crawl through them for minutes.
@@ -297,7 +296,7 @@ impl Problem {
         };
         refit.score(&hypothesis, &likelihood)?;
         self.weigh_sizes(&mut refit, places);
-        refit.log_evidence -= NOT_CROSSED * self.levels_not_crossed(&refit) as f64;
+        refit.log_evidence -= OUT_OF_RANGE * self.values_out_of_range(&refit) as f64;
         Ok((refit, widths_at))
     }
 
@@ -314,21 +313,6 @@ impl Problem {
                 refit.log_evidence += WIDTHS[place].log_odds(of_sensors);
             }
         }
-    }
-
-    /// How many levels of a fit's effects, such as thresholds, have all fitted rows on one side.
-    fn levels_not_crossed(&self, refit: &Refit) -> usize {
-        let fitted = refit.by_name();
-        let of_effect = |&effect: &usize| {
-            let candidate = &self.candidates[effect];
-            let Some(file) = self.catalogue.get(&candidate.effect) else { return 0 };
-            let is_missed = |parameter: &EffectParameter| {
-                let value = fitted.get(&format!("{}.{}", candidate.id, parameter.name));
-                value.is_some_and(|&value| !is_crossed(self, candidate, file, parameter, value))
-            };
-            file.parameters(&self.model, &candidate.bound).iter().filter(|own| !own.amplitude && is_missed(own)).count()
-        };
-        refit.effects.iter().map(of_effect).sum()
     }
 
     /// The problem whose baseline model has the effects of a fit, with priors as wide as the fit took them. The candidates
@@ -396,8 +380,7 @@ fn amplitudes(
 ) -> Vec<Vec<Amplitude>> {
     let full = likelihood.full_parameters(&point_estimate.parameters);
     let moments = point_estimate.truncated_moments.clone();
-    let mut moments =
-        moments.unwrap_or_else(|| Moments { mean: point_estimate.parameters.clone(), sd: point_estimate.sd() });
+    let mut moments = moments.unwrap_or_else(|| by_curvature(likelihood, point_estimate));
     for flat in flat {
         [moments.mean[flat.place], moments.sd[flat.place]] = flat.moments();
     }
@@ -417,6 +400,17 @@ fn amplitudes(
         }
     };
     hypothesis.amplitudes.iter().map(|range| range.clone().map(one).collect()).collect()
+}
+
+/// Moments where the normal approximation between bounds has none: the point, and standard deviations by the curvature. A prior
+/// between two ends allows no larger one than that of the uniform distribution there.
+fn by_curvature(likelihood: &Likelihood, point_estimate: &PointEstimate) -> Moments {
+    let widest = likelihood.priors().iter().map(|prior| {
+        let (lower, upper) = prior.support();
+        (upper - lower) / sqrt(12.0)
+    });
+    let sd = point_estimate.sd().into_iter().zip(widest).map(|(sd, widest)| sd.min(widest)).collect();
+    Moments { mean: point_estimate.parameters.clone(), sd }
 }
 
 impl Refit {

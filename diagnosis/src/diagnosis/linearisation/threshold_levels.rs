@@ -207,6 +207,21 @@ fn on_node(problem: &Problem, measurement: &Measurement, node: usize) -> Vec<usi
     (0..measurement.sensors.len()).filter(is_on).collect()
 }
 
+/// The least and the greatest fitted reading of a node's temperature, K. `None` without a sensor.
+pub(crate) fn temperatures_read(problem: &Problem, node: usize) -> Option<[f64; 2]> {
+    let mut span: Option<[f64; 2]> = None;
+    for measurement in &problem.measurements {
+        let sensors = on_node(problem, measurement, node);
+        for row in (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row)) {
+            for reading in sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)) {
+                let [least, most] = span.unwrap_or([reading; 2]);
+                span = Some([least.min(reading), most.max(reading)]);
+            }
+        }
+    }
+    span
+}
+
 /// Distinct levels in steady phases. `None` where there are transients: there the likelihood tells where a threshold is.
 fn levels(problem: &Problem, candidate: &Candidate, effect: &Effect, parameter: &EffectParameter) -> Option<Vec<f64>> {
     all_levels(problem, candidate, effect, parameter).filter(|_| all_steady(problem))

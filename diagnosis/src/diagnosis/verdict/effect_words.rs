@@ -116,21 +116,47 @@ pub struct Run<'a> {
 /// Share of a run's length by which a date may lie beside its end and be between two runs.
 const BESIDE: f64 = 0.005;
 
+/// Share of all runs' time from which on a standard deviation says hardly anything of a date. Where nothing is known it is 0.29.
+const IS_OPEN: f64 = 0.2;
+
+/// Whether the readings hardly tell when a change sets in.
+fn is_open(amount: &Amount, runs: &[Run<'_>]) -> bool {
+    let first = runs.iter().map(|run| run.from).reduce(f64::min);
+    let last = runs.iter().map(|run| run.to).reduce(f64::max);
+    first.zip(last).is_some_and(|(first, last)| amount.sd >= IS_OPEN * (last - first) && last > first)
+}
+
 /// When a change at a date sets in, where several transients follow one another: in which of them and at which of its times, or
-/// between which. `None` where there are less than two.
+/// between which. `None` where there are less than two, unless the readings leave the date open.
 pub fn in_runs(amount: &Amount, mut runs: Vec<Run<'_>>) -> Option<String> {
     sort_by(&mut runs, |a, b| a.from.total_cmp(&b.from));
     let date = amount.most_probable;
+    let is_open = is_open(amount, &runs);
     let is_between = |pair: &[Run<'_>]| {
-        let beside = |run: &Run<'_>| amount.sd.max(BESIDE * (run.to - run.from)).min(0.5 * (run.to - run.from));
+        let least = |run: &Run<'_>| BESIDE * (run.to - run.from);
+        let beside = |run: &Run<'_>| match is_open {
+            true => least(run),
+            false => amount.sd.max(least(run)).min(0.5 * (run.to - run.from)),
+        };
         pair[0].to - beside(&pair[0]) <= date && date <= pair[1].from + beside(&pair[1])
     };
     if let Some(pair) = runs.windows(2).find(|pair| is_between(pair)) {
         return Some(format!(", between `{}` and `{}`", pair[0].name, pair[1].name));
     }
-    let run = runs.iter().rfind(|run| run.from <= date).filter(|_| runs.len() > 1)?;
-    let when = instant(amount.value - run.from + run.begins_s, amount);
-    Some(format!(", from {when} of `{}` on", run.name))
+    let is_alone = runs.len() < 2;
+    if is_alone && !is_open {
+        return None;
+    }
+    let run = runs.iter().rfind(|run| run.from <= date)?;
+    let of_run = if is_alone { String::new() } else { format!(" of `{}`", run.name) };
+    let within = |date: f64| if is_alone { date } else { date - run.from + run.begins_s };
+    if is_open {
+        let most_probable = within(date);
+        let (length, unit) = unit_of_time(most_probable);
+        let value = short(most_probable / length, 2);
+        return Some(format!(", from a date that is open, most probably {value} {unit}{of_run}"));
+    }
+    Some(format!(", from {}{of_run} on", instant(within(amount.value), amount)))
 }
 
 /// A time with its error, in the unit that suits it; of no time in the unit that it has.

@@ -131,5 +131,11 @@ fn a_date_is_stated_in_the_run_in_which_it_lies() {
         assert_eq!(in_runs(&near, runs()).unwrap(), ", between `hot` and `cold`", "{near:?}");
     }
     assert_eq!(in_runs(&at(2.5, 0.1), vec![run("hot", 0.0, 0.0)]), None);
+    let open = ", from a date that is open, most probably 3.0 h of `hot`";
+    assert_eq!(in_runs(&at(3.0, 5.0), runs()).unwrap(), open, "half a run is not beside its end");
+    // A date of which the runs say hardly anything is not stated to the hour.
+    let alone = || vec![run("hot", 0.0, 10.0)];
+    assert_eq!(in_runs(&at(4.567, 1.9), alone()), None);
+    assert_eq!(in_runs(&at(4.567, 2.5), alone()).unwrap(), ", from a date that is open, most probably 4.6 h");
     assert_eq!(in_runs(&at(0.25, 0.01), runs()).unwrap(), ", from 15.00 ± 0.60 min of `hot` on");
 }
