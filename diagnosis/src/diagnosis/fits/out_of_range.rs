@@ -15,7 +15,6 @@ pub(crate) const OUT_OF_RANGE: f64 = 10.0;
 /// Lengths of the longest run beyond which a time constant is that of a store that keeps what it is given: within the run a twentieth
 /// of a constant heat reaches the node.
 const LONGEST_RUNS: f64 = 10.0;
-
 /// Least share of a power or a conductance that a linear law of temperature may leave: it is the first term of a series, and a law
 /// that takes more than this is no small change any more. Beyond its zero a power would cool.
 const LEAST_LEFT: f64 = 0.1;

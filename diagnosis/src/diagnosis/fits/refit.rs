@@ -402,8 +402,8 @@ fn amplitudes(
     hypothesis.amplitudes.iter().map(|range| range.clone().map(one).collect()).collect()
 }
 
-/// Moments where the normal approximation between bounds has none: the point, and standard deviations by the curvature. A prior
-/// between two ends allows no larger one than that of the uniform distribution there.
+/// Moments where the normal approximation between bounds has none: the point, and standard deviations by the curvature. Of a variable
+/// between two ends it is at most that of the uniform distribution there, which says nothing of it.
 fn by_curvature(likelihood: &Likelihood, point_estimate: &PointEstimate) -> Moments {
     let widest = likelihood.priors().iter().map(|prior| {
         let (lower, upper) = prior.support();
