@@ -22,6 +22,9 @@ pub(crate) const EXPLAINS_ALIKE: f64 = 0.95;
 const EXPLAINS_MOST: f64 = 0.8;
 /// Log odds by which the former then stands behind.
 const IMPLAUSIBLE: f64 = 1.0;
+/// Share of the squares of errors that an effect has to explain, on the fitted and on the unseen rows, so that it follows no errors of the
+/// model, whatever the fitted rows want more that fails on the unseen ones.
+const EXPLAINS_ON_BOTH: f64 = 0.5;
 /// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
 const MINOR_SHARE: f64 = 0.2;
 
@@ -131,6 +134,13 @@ pub fn rises(errors: [Option<f64>; 2]) -> bool {
 /// Whether it falls clearly, or there are no such rows.
 pub fn falls(errors: [Option<f64>; 2]) -> bool {
     !matches!(errors, [Some(before), Some(after)] if !(RISES * after < before))
+}
+
+/// Whether an effect explains at least half of the squares of the errors, on the fitted and on the unseen rows: errors without it and with
+/// it on each.
+pub fn explains_on_both(fitted: [Option<f64>; 2], unseen: [Option<f64>; 2]) -> bool {
+    let explains = |errors: [Option<f64>; 2]| matches!(errors, [Some(before), Some(after)] if after * after <= (1.0 - EXPLAINS_ON_BOTH) * before * before);
+    explains(fitted) && explains(unseen)
 }
 
 /// Whether a curve goes before laws: it leads the most probable one by clear log odds, and errs hardly more on unseen rows than the
@@ -448,6 +458,16 @@ impl Diagnosis {
         if let Some(plausible) = before_implausible {
             let others = next.iter().map(|one| one.1).filter(|&place| logs[place] > logs[plausible]);
             others.for_each(|place| logs_of_step[place] = logs[plausible] - IMPLAUSIBLE);
+        }
+        let explains_on_both = |place: usize| {
+            let [before, after] = [at, place].map(|place| &state.refits[place]);
+            explains_on_both([before.rmse_train_k, after.rmse_train_k], unseen(before, after))
+        };
+        if next.iter().any(|one| !self.is_unknown_function(one.0) && pays(one.1) && explains_on_both(one.1)) {
+            // What fails on the unseen rows is no rival of that.
+            let fails = |place: usize| rises(unseen(&state.refits[at], &state.refits[place]));
+            let failing = next.iter().map(|one| one.1).filter(|&place| fails(place) && Some(place) != next_set);
+            failing.for_each(|place| logs_of_step[place] = f64::NEG_INFINITY);
         }
         let largest_law = largest_law.map_or(f64::NEG_INFINITY, |place| logs[place]);
         let logs = logs_of_step;

@@ -2,8 +2,8 @@
 
 use bmv::diagnosis::story::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::{
-    Gain, LawOfStep, Weighed, curve_goes_first, falls, first_likely, least_lead, pays_by, rises, serves_as_well,
-    surface_explains_alike, whole_surface_first,
+    Gain, LawOfStep, Weighed, curve_goes_first, explains_on_both, falls, first_likely, least_lead, pays_by, rises,
+    serves_as_well, surface_explains_alike, whole_surface_first,
 };
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
@@ -69,6 +69,17 @@ fn a_step_ends_where_the_unseen_rows_contradict_what_is_far_more_probable() {
     assert!(!contradicts(law, of(0.6, false, true)), "the unseen rows do not speak against it");
     assert!(!contradicts(law, of(0.6, true, false)), "a curve says nothing of a law");
     assert!(contradicts(Weighed { is_curve: true, ..law }, of(0.6, true, false)));
+}
+
+/// Half of the squares, of the fitted and of the unseen rows alike.
+#[test]
+fn what_explains_most_on_fitted_and_unseen_rows_follows_no_errors_of_the_model() {
+    // The conductance of a balloon's box by the air's flow, the lag of a thermometer behind a water heater, the same with less on either.
+    assert!(explains_on_both([Some(5.54), Some(1.31)], [Some(8.52), Some(2.58)]));
+    assert!(explains_on_both([Some(0.68), Some(0.36)], [Some(0.71), Some(0.43)]));
+    assert!(!explains_on_both([Some(0.68), Some(0.36)], [Some(0.71), Some(0.51)]));
+    assert!(!explains_on_both([Some(0.68), Some(0.49)], [Some(0.71), Some(0.43)]));
+    assert!(!explains_on_both([Some(0.68), Some(0.36)], [None, None]), "no unseen rows");
 }
 
 /// Ten in log odds, and at most a twentieth more on the unseen rows.

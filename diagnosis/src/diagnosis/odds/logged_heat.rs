@@ -1,10 +1,13 @@
-//! Heat that was logged beside a model that does not use it: a power or an irradiance among the inputs. Nobody logs the sun or the
-//! power of a motor where it does not warm anything, so that heat in proportion to it is more probable than to another input.
+//! Heat that was logged: a power or an irradiance among the inputs. Beside a model that does not use it heat in proportion to it is
+//! more probable than to another input: nobody logs the sun or the power of a motor where it does not warm anything. Of a model that
+//! uses it the power is what was read, at any temperature.
 
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::medium::has_dimension;
-use crate::effect::Candidate;
-use crate::expression::Symbol;
+use crate::effect::{Candidate, Effect, Site};
+use crate::expression::parse::parse;
+use crate::expression::{Dependence, Graph, Names, Scope, Symbol};
+use crate::thermal::element::Element;
 use crate::thermal::{Input, Model};
 
 /// Of each candidate whether it is heat in proportion to a power or an irradiance that no heat of the model depends on.
@@ -25,15 +28,59 @@ fn unused_heats(model: &Model) -> Vec<bool> {
     let mut graph = model.graph.clone();
     let mut unused: Vec<bool> = model.inputs.iter().map(|input| model.external.is_none() && is_heat(input)).collect();
     for element in &model.elements {
-        for (_, heat) in element.contribution(&mut graph, &mut Vec::new(), false).heat {
-            for symbol in graph.symbols(heat) {
-                if let Symbol::Input(input) = symbol {
-                    unused[input as usize] = false;
-                }
-            }
+        for input in inputs_of_heat(element, &mut graph) {
+            unused[input] = false;
         }
     }
     unused
+}
+
+/// The inputs on which an element's heat depends.
+fn inputs_of_heat(element: &Element, graph: &mut Graph) -> Vec<usize> {
+    let heats = element.contribution(graph, &mut Vec::new(), false).heat;
+    let symbols = heats.into_iter().flat_map(|(_, heat)| graph.symbols(heat));
+    let input = |symbol| if let Symbol::Input(input) = symbol { Some(input as usize) } else { None };
+    symbols.filter_map(input).collect()
+}
+
+/// Of each candidate whether it lets the power of loads or heaters follow their temperature alone, though all of them are in proportion to a
+/// logged power or irradiance.
+pub(crate) fn are_laws_of_logged_heat(problem: &Problem) -> Vec<bool> {
+    let model = &problem.model;
+    let mut graph = model.graph.clone();
+    let is_logged: Vec<bool> = model
+        .elements
+        .iter()
+        .map(|element| {
+            element.physics().heated().is_some()
+                && inputs_of_heat(element, &mut graph).iter().any(|&input| is_heat(&model.inputs[input]))
+        })
+        .collect();
+    let laws: Vec<&str> = problem
+        .catalogue
+        .effects()
+        .iter()
+        .filter(|effect| follows_temperature(effect))
+        .map(|effect| effect.name.as_str())
+        .collect();
+    let is_one = |own: &Candidate| {
+        let Site::Elements(elements) = &own.site else { return false };
+        laws.contains(&own.effect.as_str()) && elements.iter().all(|&element| is_logged.get(element) == Some(&true))
+    };
+    problem.candidates.iter().map(is_one).collect()
+}
+
+/// Whether an effect is a factor that depends on temperatures and on nothing else.
+fn follows_temperature(effect: &Effect) -> bool {
+    let Some(text) = &effect.form.adds.value.factor else { return false };
+    let mut graph = Graph::new();
+    let temperature = graph.symbol(Symbol::Node(0));
+    let number = graph.number(1.0);
+    let own = effect.form.parameters.iter().map(|entry| (entry.name.as_str(), number));
+    let locals = own.chain(["T", "Ta", "Tb", "Tm"].map(|name| (name, temperature))).collect();
+    let names = Names::default();
+    parse(&text.value, &mut graph, &Scope::with(&names, locals))
+        .is_ok_and(|value| graph.dependence(value).intersects(Dependence::NODE))
 }
 
 /// Whether an input is a power or an irradiance.

@@ -10,7 +10,7 @@ use crate::diagnosis::odds::posterior_odds::{
     RIVALS_WITHIN, STANDS, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
 };
 use crate::diagnosis::output::{HeldOutTest, Output, Verdict};
-use crate::diagnosis::story::Story;
+use crate::diagnosis::story::{Story, explains_on_both};
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::findings::{Findings, free, is_small_error};
 use crate::diagnosis::verdict::results::{detectable, misfit, models, noise, unseen};
@@ -345,13 +345,21 @@ impl Diagnosis {
         !findings.state.is_misspecified() && (fails || findings.remaining_now().is_some_and(is_clear))
     }
 
-    /// Whether the selected set leaves the model far from the noise while tests go on finding something.
+    /// Whether the selected set leaves the model far from the noise while tests go on finding something. Where the model is a little wrong
+    /// everywhere, what explains most of the errors on fitted and unseen rows is an explanation, whatever remains.
     fn leaves_too_much(&self, findings: &Findings<'_>) -> bool {
         let chosen = &findings.state.refits[findings.selected];
         let found = findings.remaining_now().is_some_and(|p| p <= self.settings().false_alarm);
         let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
         let far = match findings.state.is_misspecified() {
-            true => findings.reduced_chi_square(findings.selected) > FAR_FROM_MODEL_ERROR,
+            true => {
+                let baseline = &findings.state.refits[0];
+                findings.reduced_chi_square(findings.selected) > FAR_FROM_MODEL_ERROR
+                    && !explains_on_both(
+                        [baseline, chosen].map(|refit| refit.rmse_train_k),
+                        [baseline, chosen].map(|refit| refit.rmse_held_out_k),
+                    )
+            }
             false => chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE,
         };
         let rather_else = findings.weights.unexplained > RATHER_ELSE;

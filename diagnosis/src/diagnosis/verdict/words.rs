@@ -3,7 +3,7 @@
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum, may_be_vacuum};
 use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
-use crate::diagnosis::story::{falls, rises};
+use crate::diagnosis::story::{Addition, falls, rises};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
     Likeness, asked_for, carried, level, onset, or_model_error, size, started, surprising, timed, too_narrow,
@@ -42,21 +42,33 @@ pub fn clearness(p: f64, false_alarm: f64) -> String {
     format!("that is a misfit ({}, the probability of one as clear as this where nothing is missing)", p_stated(p))
 }
 
-/// That the effect which the fitted rows want most fails on the held-out ones, or gains nothing there.
-fn fails_on_held_out(findings: &Findings<'_>) -> Option<String> {
+/// What the fitted rows want most at the first step, and the errors on the held-out rows without it and with it.
+fn most_wanted<'a>(findings: &'a Findings<'_>) -> Option<(&'a Addition, [Option<f64>; 2])> {
     let story = findings.story.as_ref()?;
     let step = story.steps.first()?;
-    let most = step.additions.first()?;
-    let errors = [step.before, most.place].map(|place| findings.state.refits[place].rmse_held_out_k);
-    let (from_to, id) = (fall(errors)?, findings.id(most.effect));
-    if rises(errors) {
-        return Some(format!(
-            "What the fitted rows want most, {id}, fails on the held-out rows: their error goes from {from_to}."
-        ));
-    }
-    (story.refused.contains(&most.effect) && !falls(errors)).then(|| {
+    let log = |one: &Addition| story.logs[one.place];
+    let most = step.additions.iter().max_by(|a, b| log(a).total_cmp(&log(b)))?;
+    Some((most, [step.before, most.place].map(|place| findings.state.refits[place].rmse_held_out_k)))
+}
+
+/// That this fails on the held-out rows.
+fn fails_on_held_out(findings: &Findings<'_>) -> Option<String> {
+    let (most, errors) = most_wanted(findings).filter(|(_, errors)| rises(*errors))?;
+    Some(format!(
+        "What the fitted rows want most, {}, fails on the held-out rows: their error goes from {}.",
+        findings.id(most.effect),
+        fall(errors)?
+    ))
+}
+
+/// That it gains nothing there.
+fn gains_nothing_on_held_out(findings: &Findings<'_>) -> Option<String> {
+    let (most, errors) = most_wanted(findings).filter(|(_, errors)| !rises(*errors) && !falls(*errors))?;
+    let from_to = fall(errors)?;
+    findings.is_refused(most.effect).then(|| {
         format!(
-            "What the fitted rows want most, {id}, hardly changes the error on the held-out rows, from {from_to}: it may only follow errors of the model."
+            "What the fitted rows want most, {}, hardly changes the error on the held-out rows, from {from_to}: it may only follow errors of the model.",
+            findings.id(most.effect)
         )
     })
 }
@@ -326,6 +338,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 words.push("What fits the fitted rows fails on the held-out ones.".to_owned());
             }
             words.extend(fails_on_held_out(findings));
+            words.extend(gains_nothing_on_held_out(findings));
         }
         Verdict::Identified | Verdict::Ambiguous => {
             // What invents nothing goes first.
@@ -384,6 +397,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     precedence::in_words(output, effect)
                 ));
             }
+            words.extend(fails_on_held_out(findings));
             let against = findings.story.as_ref().and_then(|story| {
                 let last = story.steps.last()?;
                 let next = last.additions.first().filter(|next| next.probability > last.stays)?;

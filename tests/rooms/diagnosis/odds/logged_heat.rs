@@ -37,3 +37,31 @@ fn heat_in_proportion_to_a_logged_power_that_the_model_does_not_use_is_likelier(
         assert_eq!(gain(&without_loads, effect, "W"), 0.0, "{effect}");
     }
 }
+
+#[test]
+fn a_logged_power_that_follows_temperature_is_less_likely() {
+    let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
+    let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
+    let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
+    let logged: Vec<usize> =
+        (0..problem.model.inputs.len()).filter(|&at| problem.model.inputs[at].unit == "W").collect();
+    let odds = |effect: &str, unit: &str| {
+        let mut problem = problem.clone();
+        let model = Arc::make_mut(&mut problem.model);
+        logged.iter().for_each(|&input| model.inputs[input].unit = unit.to_owned());
+        let is_own = |own: &bmv::effect::Candidate| own.effect == effect && !own.is_group();
+        let candidate = problem.candidates.iter().position(is_own).unwrap();
+        PriorOdds::new(&problem).of(&problem, &[candidate])
+    };
+    for (effect, unit, expected) in [
+        ("dissipation-temperature", "W", 1.5),
+        ("dissipation-temperature", "W/m^2", 1.5),
+        ("dissipation-temperature", "A", 0.0),
+        ("heater-efficiency", "W", 0.0),
+        ("dated-power", "W", 0.0),
+        ("temperature-dependent-conductance", "W", 0.0),
+    ] {
+        let lost = odds(effect, "V") - odds(effect, unit);
+        assert!((lost - expected).abs() < 1e-12, "{effect} of {unit}: {lost}");
+    }
+}
