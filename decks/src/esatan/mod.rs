@@ -42,6 +42,3 @@ pub fn recognises(bytes: &[u8]) -> Option<Form> {
 /// Stefan-Boltzmann constant in W/(m2 K4) where a form states none. The steady cases that ESATAN 2017 sp2 wrote for
 /// `mlauryn/EsatanOpt` close 3 to 75 times better with it than with the CODATA value.
 const DEFAULT_STEFAN_BOLTZMANN: f64 = 5.6686e-8;
-
-#[cfg(test)]
-mod tests;

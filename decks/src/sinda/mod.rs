@@ -20,8 +20,6 @@ mod nodes;
 mod result;
 mod seen;
 mod subroutines;
-#[cfg(test)]
-mod tests;
 mod thermostat;
 mod units;
 

@@ -24,8 +24,6 @@ mod parameters;
 mod pitch;
 mod solar;
 mod specification;
-#[cfg(test)]
-mod tests;
 
 use crate::deck::Deck;
 use crate::error::DeckError;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bmv_decks::{CouplingKind, Deck, NodeKind, Value};
 
-use crate::expression::{Expression, Reader};
+use super::expression::{Expression, Reader};
 
 /// A deck ready to be integrated.
 pub struct Network {

@@ -1,13 +1,11 @@
 //! Decks of xija's specifications against xija's equations, written here a second time: in degC and ks, with the heats
 //! computed by branches instead of expressions. The specification is made up and has a component of nearly every law.
 
-mod expression;
-mod network;
-
 use std::collections::HashMap;
 
-use network::{Inputs, Network, Rule};
 use serde_json::{Value, json};
+
+use super::network::{Inputs, Network, Rule};
 
 /// Values of the inputs at an instant, by the deck's names; angles in degrees.
 type Drivers = HashMap<&'static str, f64>;

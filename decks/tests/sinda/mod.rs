@@ -2,8 +2,8 @@
 
 mod laws;
 
-use super::*;
-use crate::{CouplingKind, NodeKind, Value};
+use bmv_decks::sinda::{SindaFile, read, read_result, recognises};
+use bmv_decks::{CouplingKind, Deck, NodeKind, Value};
 
 const INP: &str = "C a case
 HEADER OPTIONS DATA

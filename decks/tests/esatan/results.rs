@@ -1,11 +1,9 @@
 //! A public result of ESATAN-TMS with its model (README.md beside it), and damaged copies of it.
 
-mod closure;
-
 use bmv_decks::esatan::{Form, read_tmd, recognises};
 use bmv_decks::{CouplingKind, NodeKind};
 
-use closure::{missing_heat_w, net_heat_w, value_at};
+use super::closure::{missing_heat_w, net_heat_w, value_at};
 
 const TMD: &[u8] = include_bytes!("DISCTR_TRANSIENT.TMD");
 

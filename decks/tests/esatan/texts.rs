@@ -1,7 +1,7 @@
 //! Small models and dumps, and malformed ones.
 
-use super::*;
-use crate::{CouplingKind, DeckError, NodeKind, Value};
+use bmv_decks::esatan::{Form, read_csv, read_text, recognises};
+use bmv_decks::{CouplingKind, Deck, DeckError, NodeKind, Value};
 
 const MODEL: &str = "$MODEL CAMERA
 $CONSTANTS
@@ -36,7 +36,7 @@ CALL SLFWBK
 $ENDMODEL CAMERA
 ";
 
-fn read_model(text: &str) -> Result<crate::Deck, Vec<DeckError>> {
+fn read_model(text: &str) -> Result<Deck, Vec<DeckError>> {
     read_text("camera.d", text)
 }
 

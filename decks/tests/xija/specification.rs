@@ -1,9 +1,8 @@
-//! Specifications of the tests, and what is refused. The laws are checked against xija's in `decks/tests/xija/main.rs`.
+//! Specifications of the tests, and what is refused. The laws are checked against xija's in `equations.rs`.
 
+use bmv_decks::xija::{read, recognises};
+use bmv_decks::{CouplingKind, Deck, NodeKind, Value};
 use serde_json::{Value as Json, json};
-
-use super::{read, recognises};
-use crate::deck::{CouplingKind, Deck, NodeKind, Value};
 
 /// Two nodes, a coupling, a sink, a heat of the Sun and a dated heat.
 fn specification() -> Json {
