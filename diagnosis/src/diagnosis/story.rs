@@ -70,6 +70,8 @@ pub(crate) struct Step {
     pub stays: f64,
     /// What may be added, most probable first.
     pub additions: Vec<Addition>,
+    /// Effects that fail on the unseen rows where another explains most of the errors on fitted and unseen ones: they are no rivals of it.
+    pub failing: Vec<usize>,
 }
 
 /// A set that displaces that of a story.
@@ -463,11 +465,13 @@ impl Diagnosis {
             let [before, after] = [at, place].map(|place| &state.refits[place]);
             explains_on_both([before.rmse_train_k, after.rmse_train_k], unseen(before, after))
         };
+        let fails = |place: usize| rises(unseen(&state.refits[at], &state.refits[place])) && Some(place) != next_set;
+        let mut failing = Vec::new();
         if next.iter().any(|one| !self.is_unknown_function(one.0) && pays(one.1) && explains_on_both(one.1)) {
-            // What fails on the unseen rows is no rival of that.
-            let fails = |place: usize| rises(unseen(&state.refits[at], &state.refits[place]));
-            let failing = next.iter().map(|one| one.1).filter(|&place| fails(place) && Some(place) != next_set);
-            failing.for_each(|place| logs_of_step[place] = f64::NEG_INFINITY);
+            for &(effect, place) in next.iter().filter(|one| fails(one.1)) {
+                logs_of_step[place] = f64::NEG_INFINITY;
+                failing.push(effect);
+            }
         }
         let largest_law = largest_law.map_or(f64::NEG_INFINITY, |place| logs[place]);
         let logs = logs_of_step;
@@ -551,7 +555,7 @@ impl Diagnosis {
             additions.iter_mut().for_each(|one| one.probability /= rest);
             stays /= rest;
         }
-        Step { before: at, chosen: chosen.map(|one| one.place), stays, additions }
+        Step { before: at, chosen: chosen.map(|one| one.place), stays, additions, failing }
     }
 
     /// The most probable set with so many effects more than the story that is more probable than its end, with another effect in the

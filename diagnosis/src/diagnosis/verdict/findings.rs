@@ -112,6 +112,11 @@ impl Findings<'_> {
         self.story.as_ref().is_some_and(|story| story.refused.contains(&effect))
     }
 
+    /// Whether the held-out rows refuse an effect where another explains most of the errors.
+    pub(super) fn fails_at_a_step(&self, effect: usize) -> bool {
+        self.story.as_ref().is_some_and(|story| story.steps.iter().any(|step| step.failing.contains(&effect)))
+    }
+
     /// Whether an effect is so small that errors of the model may well be what it explains.
     pub(super) fn is_small(&self, effect: usize) -> bool {
         self.model_errors.get(&effect).is_some_and(|probability| *probability >= IS_MODEL_ERROR)

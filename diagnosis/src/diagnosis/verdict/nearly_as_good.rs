@@ -39,7 +39,9 @@ impl Findings<'_> {
         };
         let tempering = self.tempering(&logs);
         let odds = |own: &Alternative| exp(-own.lag.max(0.0) / tempering).max(self.odds_by_chance(own));
-        let mut all: Vec<(f64, Alternative)> = self.lags(&logs).into_iter().map(|own| (odds(&own), own)).collect();
+        let may_stand = |own: &Alternative| !self.fails_at_a_step(own.effect);
+        let mut all: Vec<(f64, Alternative)> =
+            self.lags(&logs).into_iter().filter(may_stand).map(|own| (odds(&own), own)).collect();
         sort_by(&mut all, |a, b| {
             b.0.total_cmp(&a.0).then(a.1.lag.total_cmp(&b.1.lag)).then(a.1.effect.cmp(&b.1.effect))
         });
