@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::BatchError;
 use super::archive::Target;
+use crate::math::sort::sort_by_key;
 use crate::report::INDEX;
 use crate::report::archive::record::{FILE_NAME as RECORD, Record};
 use crate::report::archive::ro_crate::{self, FILE_NAME as CRATE};
@@ -116,7 +117,9 @@ fn read(folder: &Path, notes: &mut Vec<String>) -> Result<Vec<ArchivedStudy>, Ba
         for (pass_folder, place) in folders(&place)? {
             passes.extend(read_pass(pass_folder, &place, notes));
         }
-        passes.sort_by_key(|pass: &ArchivedPass| (number(Path::new(&pass.record.pass)), pass.record.pass.clone()));
+        sort_by_key(&mut passes, |pass: &ArchivedPass| {
+            (number(Path::new(&pass.record.pass)), pass.record.pass.clone())
+        });
         if passes.iter().any(|pass| pass.record.is_archived()) {
             passes.retain(|pass| pass.record.is_archived());
         }

@@ -9,6 +9,7 @@ use super::output::{escaped, print, print_json, shown, tell};
 use super::status::{Failure, Status};
 use crate::batch::regression::{self, JobCheck, NumberCheck, Regression, Verdict};
 use crate::batch::{self, Executed, Loaded};
+use crate::math::sort::sort_by;
 use crate::report::number::significant;
 use crate::study::resolve::LARGEST_SEED;
 
@@ -175,7 +176,7 @@ fn of_job(job: &JobCheck) -> String {
     let is_shown = |number: &&NumberCheck| number.differs || job.verdict == Verdict::Drifted;
     let mut shown: Vec<&NumberCheck> = job.numbers.iter().filter(is_shown).collect();
     let size = |number: &NumberCheck| number.standard_errors.map_or(f64::INFINITY, f64::abs);
-    shown.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    sort_by(&mut shown, |a, b| size(b).total_cmp(&size(a)));
     for number in shown.iter().take(SHOWN) {
         text.push_str(&format!("  {}\n", escaped(&moved(number))));
     }

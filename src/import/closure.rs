@@ -7,6 +7,7 @@
 
 use serde::Serialize;
 
+use crate::math::sort::sort_by;
 use crate::measurement::Rows;
 use crate::study::Pass;
 use crate::thermal::{Model, Network, NetworkError, NodeKind};
@@ -214,7 +215,7 @@ pub fn closure(study: &ImportedStudy, pass: &Pass) -> Result<Option<Closure>, Ne
         })
         .collect();
     let size = |entry: &NodeClosure| entry.unexplained_k().unwrap_or(f64::INFINITY);
-    nodes.sort_by(|a, b| size(b).total_cmp(&size(a)).then(b.imbalance_w.abs().total_cmp(&a.imbalance_w.abs())));
+    sort_by(&mut nodes, |a, b| size(b).total_cmp(&size(a)).then(b.imbalance_w.abs().total_cmp(&a.imbalance_w.abs())));
     let tolerance_k = result.step_k.max(SOLVERS_K);
     for entry in nodes.iter_mut().filter(|entry| !entry.closes(tolerance_k)) {
         entry.hint = hint(entry, result);

@@ -12,6 +12,7 @@ use bmv_decks::{CouplingKind, Deck, Group, Input, NodeKind, Note, Parameter, Val
 use thiserror::Error;
 
 use crate::document::visible::escaped;
+use crate::math::sort::{sort_by, sort_by_key};
 
 use super::name::Names;
 
@@ -237,7 +238,7 @@ fn add_factors(deck: &mut Deck, division: &Division, kind: CouplingKind, symbols
     let mut rest = Class::default();
     let mut own: Vec<([usize; 2], Class)> = Vec::new();
     let mut by_size: Vec<([usize; 2], Class)> = classes.into_iter().collect();
-    by_size.sort_by(|a, b| b.1.total.total_cmp(&a.1.total).then(a.0.cmp(&b.0)));
+    sort_by(&mut by_size, |a, b| b.1.total.total_cmp(&a.1.total).then(a.0.cmp(&b.0)));
     for (pair, class) in by_size {
         if own.len() < MOST_FACTORS && matters(&pair, &class) {
             own.push((pair, class));
@@ -246,7 +247,7 @@ fn add_factors(deck: &mut Deck, division: &Division, kind: CouplingKind, symbols
             rest.total += class.total;
         }
     }
-    own.sort_by_key(|entry| entry.0);
+    sort_by_key(&mut own, |entry| entry.0);
     let (short, what, unit) = if is_radiative { ("GR", "radiations", "m2") } else { ("GL", "conductors", "W/K") };
     let of_own = own.into_iter().map(|([a, b], class)| {
         let (from, to) = (&division.names[a], &division.names[b]);

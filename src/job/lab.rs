@@ -11,6 +11,7 @@ use super::{Done, Job, JobError, Parts, Step};
 use crate::diagnosis::{FitError, Problem};
 use crate::document::suggest;
 use crate::effect::Catalogue;
+use crate::math::sort::sort_by;
 use crate::twin::{Outcome, Rate, Score, Trial, Truth, drawn_case, own_case, own_request, score, standard};
 use crate::watch;
 
@@ -202,7 +203,7 @@ fn kind(truth: &Truth) -> String {
 fn rows(cases: &[Outcome]) -> Vec<Row> {
     let of = |case: &Outcome| case.truth.as_ref().map(|truth| (kind(truth), truth.asked));
     let mut kinds: Vec<(String, Option<f64>)> = cases.iter().filter_map(of).collect();
-    kinds.sort_by(|a, b| {
+    sort_by(&mut kinds, |a, b| {
         let sizes = a.1.unwrap_or(f64::INFINITY).total_cmp(&b.1.unwrap_or(f64::INFINITY));
         a.0.cmp(&b.0).then(sizes)
     });

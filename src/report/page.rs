@@ -1,6 +1,7 @@
 //! The document that sections build and that Markdown and HTML are made of. Text is always made here from pieces,
 //! never parsed, so nothing that a study writes can become markup.
 
+use crate::math::sort::sort_by;
 use serde::{Deserialize, Serialize};
 
 use super::plot::Drawing;
@@ -216,7 +217,7 @@ impl Table {
         let all = self.rows.len();
         let mut rows: Vec<(f64, Vec<Cell>)> = sizes.iter().copied().zip(std::mem::take(&mut self.rows)).collect();
         // Equal ones keep their order; what is no number comes first.
-        rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_by(&mut rows, |a, b| b.0.total_cmp(&a.0));
         self.rows = rows.into_iter().take(WORST_ROWS).map(|(_, row)| row).collect();
         self.caption = self
             .caption

@@ -14,6 +14,7 @@ use super::event_log::WorkHistory;
 use super::key::{ENGINE_VERSION, Key, KeyMaterial};
 use super::stored::Stored;
 use crate::job::{JobError, Runnable};
+use crate::math::sort::sort_by_key;
 
 /// A job that may need the results of others before it is ready.
 pub trait Task: Send + Sync {
@@ -141,7 +142,7 @@ impl Plan {
             new_position[old] = new;
         }
         let mut nodes: Vec<_> = nodes.into_iter().zip(upstream).enumerate().collect();
-        nodes.sort_by_key(|(old, _)| new_position[*old]);
+        sort_by_key(&mut nodes, |(old, _)| new_position[*old]);
         let mut plan = Self { nodes: Vec::new(), keys: Vec::new(), upstream: Vec::new() };
         for (_, (node, upstream)) in nodes {
             let upstream: Vec<_> = upstream.iter().map(|&old| new_position[old]).collect();

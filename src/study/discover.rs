@@ -1,5 +1,6 @@
 //! Finds studies and their passes under the paths that a user names.
 
+use crate::math::sort::{sort_by, sort_by_key};
 use std::path::{Component, Path, PathBuf};
 
 use thiserror::Error;
@@ -76,7 +77,7 @@ pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
             return Err(DiscoverError::Missing { path: path.clone() });
         }
     }
-    studies.sort_by(|a, b| a.folder.cmp(&b.folder));
+    sort_by(&mut studies, |a, b| a.folder.cmp(&b.folder));
     let mut merged: Vec<(PathBuf, Found)> = Vec::new();
     for study in studies {
         let place = whole(&study.folder);
@@ -90,7 +91,7 @@ pub fn discover(paths: &[PathBuf]) -> Result<Vec<Found>, DiscoverError> {
     }
     let mut merged: Vec<Found> = merged.into_iter().map(|(_, study)| study).collect();
     for study in &mut merged {
-        study.passes.sort_by_key(|pass| (number(pass), pass.clone()));
+        sort_by_key(&mut study.passes, |pass| (number(pass), pass.clone()));
         study.passes.dedup();
     }
     Ok(merged)
@@ -106,7 +107,7 @@ pub fn passes(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut passes: Vec<PathBuf> =
         entries.flatten().map(|entry| entry.path()).filter(|path| number(path).is_some() && path.is_file()).collect();
-    passes.sort_by_key(|pass| (number(pass), pass.clone()));
+    sort_by_key(&mut passes, |pass| (number(pass), pass.clone()));
     passes
 }
 

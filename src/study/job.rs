@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::document::declare::one_kind;
 use crate::document::schema::choice;
 use crate::document::{Diagnostics, Map, Node, Place, Schemas, Written};
+use crate::math::sort::sort_by_key;
 use crate::thermal::Derivatives;
 
 use super::resolve::posterior_prior::Upstreams;
@@ -250,7 +251,7 @@ impl Kinds {
                 }
             }
         }
-        jobs.sort_by_key(|(position, _)| *position);
+        sort_by_key(&mut jobs, |(position, _)| *position);
         jobs.into_iter().map(|(_, job)| job).collect()
     }
 

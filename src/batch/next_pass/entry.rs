@@ -11,6 +11,7 @@ use crate::document::{Sense, suggest};
 use crate::effect::parameter::widened;
 use crate::effect::{Bound, Effect, EffectParameter};
 use crate::expression::Unit;
+use crate::math::sort::sort_by_key;
 use crate::random::Distribution;
 use crate::thermal::Model;
 
@@ -267,7 +268,7 @@ fn catalogued(value: &serde_json::Value) -> Item {
         Value::Array(items) => Item::List(items.iter().map(catalogued).collect()),
         Value::Object(fields) => {
             let mut fields: Vec<_> = fields.iter().map(|(name, value)| (name.clone(), catalogued(value))).collect();
-            fields.sort_by_key(|(name, _)| PRIOR_FIELDS.iter().position(|field| field == name));
+            sort_by_key(&mut fields, |(name, _)| PRIOR_FIELDS.iter().position(|field| field == name));
             Item::Object(fields)
         }
         Value::String(text) => Item::text(text),

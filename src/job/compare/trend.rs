@@ -2,6 +2,7 @@
 
 use super::output::Trend;
 use super::readings::{Row, Table};
+use crate::math::sort::sort_by;
 use crate::measurement::{Measurement, Rows};
 use crate::statistics::moments::correlation;
 use crate::statistics::regression::Line;
@@ -35,7 +36,7 @@ pub fn trends(measurement: &Measurement, model: &Model, table: &Table) -> Vec<Tr
 
 /// Sorts trends by the magnitude of their correlation, names deciding between equals.
 pub fn strongest_first(trends: &mut [Trend]) {
-    trends.sort_by(|a, b| {
+    sort_by(trends, |a, b| {
         b.correlation
             .abs()
             .total_cmp(&a.correlation.abs())

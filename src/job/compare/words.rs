@@ -4,6 +4,7 @@ use super::deviation::{KELVIN, deviation};
 use super::output::{Deviation, SensorSummary, Trend};
 use super::readings::{Readings, Row};
 use super::stretch;
+use crate::math::sort::sort_by;
 use crate::document::suggest::listed;
 use crate::document::time;
 use crate::measurement::{Measurement, Rows};
@@ -49,7 +50,7 @@ pub fn fails(
     };
     let mut failing: Vec<(&SensorSummary, f64)> =
         sensors.iter().map(|sensor| (sensor, excess(sensor))).filter(|(_, excess)| *excess > 1.0).collect();
-    failing.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sort_by(&mut failing, |a, b| b.1.total_cmp(&a.1));
     let mut rest: Vec<Failing<'_>> =
         failing.into_iter().map(|(sensor, _)| Failing::new(sensor, sensors, trends, rows)).collect();
     let mut sentences = Vec::new();

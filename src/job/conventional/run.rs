@@ -1,6 +1,7 @@
 //! The conventional analysis as a job of one block.
 
 use super::{Basis, Correlation, Output, Size, Spec, WorstEnd};
+use crate::math::sort::sort_by;
 use crate::study::rule::{Margin, Rule};
 use std::sync::Arc;
 
@@ -193,7 +194,7 @@ impl Conventional {
                 effect: value - reference,
             });
         }
-        worst_ends.sort_by(|a, b| b.effect.abs().total_cmp(&a.effect.abs()));
+        sort_by(&mut worst_ends, |a, b| b.effect.abs().total_cmp(&a.effect.abs()));
         Ok((stacked, worst_ends))
     }
 

@@ -7,6 +7,7 @@ use super::forward_model::Place;
 use super::output::{Estimator, Phase};
 use super::samples::REPLICATES;
 use super::summary::FAILURE_LIMIT;
+use crate::math::sort::sort_by;
 use crate::inference::information::search::{self, next};
 use crate::job::Parts;
 
@@ -57,7 +58,7 @@ impl Design {
             })
             .collect();
         let value = |point: &search::Known| point.value.unwrap_or(f64::NEG_INFINITY);
-        evaluated.sort_by(|a, b| value(b).total_cmp(&value(a)));
+        sort_by(&mut evaluated, |a, b| value(b).total_cmp(&value(a)));
         evaluated.truncate(MOST_KNOWN);
         let count = usize::try_from(left.min(AT_ONCE)).unwrap_or(1);
         let points = next(&evaluated, count, STEPS, &self.key);

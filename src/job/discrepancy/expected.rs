@@ -1,6 +1,7 @@
 //! A sensor's discrepancy at new inputs, from its stored result.
 
 use super::output::{Output, SensorDiscrepancy};
+use crate::math::sort::sort_by;
 use crate::inference::gaussian_process::process::Process;
 use crate::inference::gaussian_process::tested_range::{Outside, TestedRange};
 use crate::inference::gaussian_process::{GaussianProcessError, Training};
@@ -65,7 +66,7 @@ impl Rebuilt {
             (mean, (0..unknowns).map(slope).collect(), (functional.variance + functional.scatter).max(0.0).sqrt())
         };
         let mut distances: Vec<f64> = self.processes.iter().map(|process| process.nearest(&point)).collect();
-        distances.sort_by(f64::total_cmp);
+        sort_by(&mut distances, f64::total_cmp);
         let distance = distances.get(distances.len() / 2).copied().unwrap_or(0.0);
         Case { draws: self.processes.iter().map(of).collect(), distance }
     }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Goal;
 use super::cell::{Failed, probability};
 use super::output::{Driving, Leading, Met};
+use crate::math::sort::sort_by;
 use crate::job::Parts;
 use crate::job::propagate::Probability;
 use crate::statistics::Moments;
@@ -118,7 +119,7 @@ impl Goal {
             })
             .collect();
         let size = |entry: &(usize, Leading)| entry.1.main.map_or(f64::NEG_INFINITY, |main| main.value);
-        leading.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        sort_by(&mut leading, |a, b| size(b).total_cmp(&size(a)));
         leading
     }
 

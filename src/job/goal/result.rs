@@ -6,6 +6,7 @@ use super::output::{Knowledge, Level, Output, Target, Truths};
 use super::run::DESIGN_RATIOS;
 use super::run::RATIOS;
 use super::run::State;
+use crate::math::sort::sort_by;
 use crate::job::propagate::Probability;
 use crate::job::propagate::reached::crossing;
 use crate::statistics::Interval;
@@ -22,7 +23,7 @@ impl Goal {
             .filter(|outcome| outcome.cell.role == role)
             .filter_map(|outcome| Some((outcome.cell.design?, outcome.probability().value)))
             .collect();
-        points.sort_by(|a, b| if from < to { a.0.total_cmp(&b.0) } else { b.0.total_cmp(&a.0) });
+        sort_by(&mut points, |a, b| if from < to { a.0.total_cmp(&b.0) } else { b.0.total_cmp(&a.0) });
         let samples = outcomes.iter().find(|outcome| outcome.cell.role == role)?.cell.samples;
         crossing(&points, self.required, samples)
     }
@@ -123,7 +124,7 @@ impl Goal {
         let mut design_values: Vec<f64> = (0..truths.len())
             .filter_map(|index| self.design_value(&state.outcomes, Role::TruthCurve { index }))
             .collect();
-        design_values.sort_by(f64::total_cmp);
+        sort_by(&mut design_values, f64::total_cmp);
         let is_complete = !design_values.is_empty() && design_values.len() == truths.len();
         let mean_design_value = is_complete.then(|| design_values.iter().sum::<f64>() / design_values.len() as f64);
         Some(Truths {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::math::sort::sort_by;
 use crate::random::{Distribution, PointKind, Points, StreamKey};
 use crate::thermal::{External, Model, Network, Start};
 
@@ -262,7 +263,7 @@ impl Goal {
                 })
                 .collect();
             levels.push((1.0, state.prior.probability.value));
-            levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+            sort_by(&mut levels, |a, b| a.0.total_cmp(&b.0));
             let first = levels.iter().position(|&(_, probability)| probability < self.required)?;
             let enough = levels[first.checked_sub(1)?].0;
             Some((set, [enough, levels[first].0]))

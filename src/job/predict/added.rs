@@ -6,6 +6,7 @@ use serde::Deserialize as _;
 use serde_json::{Value, json};
 
 use super::run::{Added, Term};
+use crate::math::sort::sort_by_key;
 use crate::job::JobError;
 use crate::job::discrepancy::{self, Case, Rebuilt};
 use crate::job::propagate::{Adjustment, CaseInputs, Propagate};
@@ -93,6 +94,6 @@ pub(super) fn laws(
         let same = |case: &CaseInputs| case.environment == term.environment && case.design_value == term.design_value;
         cases.iter().position(same)
     };
-    laws.terms.sort_by_key(order);
+    sort_by_key(&mut laws.terms, order);
     Ok(laws)
 }

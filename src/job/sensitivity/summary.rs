@@ -6,6 +6,7 @@ use super::output::{
     Case, DerivativeBound, Index, Local, Method, OfQuantity, Output, PairEffect, Parameter, Precision, Scatter, Sobol,
 };
 use super::sobol::SAMPLE;
+use crate::math::sort::sort_by;
 use crate::job::JobError;
 use crate::statistics::elementary_effects::ElementaryEffect;
 use crate::statistics::sobol_indices::{Estimate, SobolIndices, SobolSums, pairs, places};
@@ -204,7 +205,7 @@ impl Sensitivity {
         let rows: Vec<usize> = (0..kept.min(SAMPLE)).filter(|&row| values[row].is_some()).collect();
         let mut order: Vec<usize> = (0..self.uncertain.len()).collect();
         let size = |coordinate: usize| sobol.total[coordinate].estimate.value;
-        order.sort_by(|&i, &j| size(j).total_cmp(&size(i)));
+        sort_by(&mut order, |&i, &j| size(j).total_cmp(&size(i)));
         order.truncate(SCATTERED);
         let mut drawn = vec![0.0; 2 * self.uncertain.len()];
         let mut x = vec![Vec::new(); order.len()];

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::document::counted;
+use crate::math::sort::sort_by_key;
 use crate::report::known::{self, Known};
 use crate::report::number::{NONE, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Table, Text};
@@ -49,7 +50,7 @@ pub(super) fn requirements(study: &ArchivedStudy) -> Option<Section> {
             names.push(name);
         }
     }
-    judged.sort_by_key(|(_, own)| {
+    sort_by_key(&mut judged, |(_, own)| {
         names.iter().position(|name| *name == (own.requirement.as_str(), own.environment.as_str()))
     });
     let rows: Vec<(&ArchivedPass, Vec<Cell>)> = judged

@@ -4,6 +4,7 @@ use super::axis::{Axis, Scale, range_of, widened};
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WIDTH, draw_within, fitted, text_width};
 use super::palette::{Colour, GRID, INK, MUTED, PAPER, SHADE, between, diverging};
 use super::sheet::Entry;
+use crate::math::sort::sort_by;
 
 /// Dots of a layer that are drawn, an even choice.
 const MOST_DOTS: usize = 500;
@@ -449,7 +450,7 @@ impl Chart {
         let mut ends = [f64::NEG_INFINITY; 2];
         let mut upright: Vec<&Limit> =
             self.limits.iter().filter(|l| l.along == Along::X && frame.x.holds(l.value)).collect();
-        upright.sort_by(|a, b| a.value.total_cmp(&b.value));
+        sort_by(&mut upright, |a, b| a.value.total_cmp(&b.value));
         for limit in upright {
             let at = frame.x.at(limit.value);
             let width = text_width(&limit.label, SMALL) + 16.0;

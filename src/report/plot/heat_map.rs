@@ -3,6 +3,7 @@
 use super::canvas::{Anchor, Canvas, Drawing, Lettering, NARROW, SMALL, TEXT, WIDTH, draw_within, fitted, text_width};
 use super::palette::{INK, MUTED, PAPER, diverging, is_light};
 use super::sheet::Entry;
+use crate::math::sort::sort_by;
 use crate::report::number::{fixed, signed, significant};
 
 /// What is drawn.
@@ -155,7 +156,7 @@ fn paint_scale(canvas: &mut Canvas<'_>, map: &HeatMap, full: f64, left: f64, y: 
     let limit = map.limit.filter(|limit| *limit < full);
     let mut ticks = vec![low, 0.0, 1.0];
     ticks.extend(limit.iter().flat_map(|limit| [-limit / full, limit / full]).filter(|share| *share > low));
-    ticks.sort_by(f64::total_cmp);
+    sort_by(&mut ticks, f64::total_cmp);
     ticks.dedup();
     let mut written = f64::NEG_INFINITY;
     for share in ticks {

@@ -3,6 +3,7 @@
 mod brief;
 mod figures;
 
+use crate::math::sort::sort_by;
 use crate::document::{counted, p_value};
 use crate::job::calibrate::{Evidence, Kind, Output, ParameterSummary, PhaseScore};
 use crate::job::compare;
@@ -398,7 +399,7 @@ fn scores(output: &Output) -> Vec<Block> {
     words.push_str("Larger is better; only models of the same readings are to be compared.");
     let mut worst: Vec<_> = output.phases.iter().filter(|phase| phase.readings > 0).collect();
     let of_a_reading = |phase: &PhaseScore| phase.log_density / phase.readings as f64;
-    worst.sort_by(|a, b| of_a_reading(a).total_cmp(&of_a_reading(b)));
+    sort_by(&mut worst, |a, b| of_a_reading(a).total_cmp(&of_a_reading(b)));
     let row = |phase: &&PhaseScore| {
         let kind = if phase.held_out { "held out" } else { "for fits" };
         let kind = if phase.reliable { kind.to_owned() } else { format!("{kind}, not reliable") };

@@ -6,6 +6,7 @@ mod figures;
 
 use std::collections::BTreeSet;
 
+use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::document::suggest::listed;
 use crate::job::compare::{Deviation, HeatBalance, KELVIN, Kind, Output, SensorSummary, Trend};
@@ -235,7 +236,7 @@ pub(super) fn worst_sensor(output: &Output) -> Option<&SensorSummary> {
 
 /// Orders sensors by RMSE; equal ones keep the file's order.
 fn worst_first(sensors: &mut [&SensorSummary]) {
-    sensors.sort_by(|a, b| worst_rmse(b).total_cmp(&worst_rmse(a)));
+    sort_by(sensors, |a, b| worst_rmse(b).total_cmp(&worst_rmse(a)));
 }
 
 fn sensors(output: &Output) -> Vec<Block> {

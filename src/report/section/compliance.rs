@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::math::sort::sort_by_key;
 use crate::job::propagate::{Case, Distributed, Met};
 use crate::job::{predict, propagate};
 use crate::math::special::normal_quantile;
@@ -198,7 +199,7 @@ pub fn judged(report: &PassReport<'_>) -> Vec<Judged> {
     }
     // In the order in which the pass states them.
     let place = |row: &Judged| report.requirements.iter().position(|own| own.name == row.requirement);
-    rows.sort_by_key(|row| place(row).unwrap_or(usize::MAX));
+    sort_by_key(&mut rows, |row| place(row).unwrap_or(usize::MAX));
     rows
 }
 

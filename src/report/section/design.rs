@@ -3,6 +3,7 @@
 mod brief;
 mod spread;
 
+use crate::math::sort::sort_by;
 use crate::job::design::{Candidate, Kind, Output, Pick};
 use crate::math::functions::exp;
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant, typeset, with_error};
@@ -163,7 +164,7 @@ fn curve(job: &str, output: &Output, axis: &crate::job::design::Axis, learn: &st
             Some((x, candidate.information_nats?, margin, candidate.allowed))
         })
         .collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut points, |a, b| a.0.total_cmp(&b.0));
     let dots = |allowed: bool| points.iter().filter(|p| p.3 == allowed).map(|p| (p.0, p.1)).collect::<Vec<_>>();
     let mut chart = Chart {
         x: Axis::new(shown.title(&axis.input)),
@@ -193,7 +194,7 @@ fn ranked(output: &Output) -> Vec<usize> {
         let candidate = &output.candidates[index];
         (candidate.allowed, candidate.information_nats.unwrap_or(f64::NEG_INFINITY))
     };
-    order.sort_by(|a, b| {
+    sort_by(&mut order, |a, b| {
         let ((a_allowed, a), (b_allowed, b)) = (key(a), key(b));
         b_allowed.cmp(&a_allowed).then(b.total_cmp(&a))
     });

@@ -6,6 +6,7 @@ mod figures;
 mod heat;
 mod words;
 
+use crate::math::sort::sort_by;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Amount, DiscriminatingExperiment, EffectResult, Output, RmseChange};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
@@ -280,7 +281,7 @@ fn experiment(report: &PassReport<'_>, output: &Output) -> Option<Block> {
         most - values.iter().copied().fold(f64::INFINITY, f64::min)
     };
     let mut sensors: Vec<(&String, &Vec<f64>)> = experiment.predictions.iter().collect();
-    sensors.sort_by(|a, b| spread(b.1).total_cmp(&spread(a.1)));
+    sort_by(&mut sensors, |a, b| spread(b.1).total_cmp(&spread(a.1)));
     for (sensor, values) in sensors.into_iter().take(MOST_SENSORS) {
         let read: Vec<String> = values.iter().map(|value| Shown::celsius().number(*value)).collect();
         let read = with_unit(&read.join(" | "), "\u{B0}C");

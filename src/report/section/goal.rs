@@ -2,6 +2,7 @@
 
 mod brief;
 
+use crate::math::sort::sort_by;
 use crate::job::goal::{Kind, Knowledge, Next, Output};
 use crate::report::number::{self, NONE, Shown, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Statement, Status, Table, Text};
@@ -200,7 +201,7 @@ fn figure(job: &str, output: &Output) -> Option<Figure> {
         let mut points: Vec<(f64, f64)> =
             knowledge.levels.iter().map(|level| (level.ratio, level.probability.value)).collect();
         points.push((1.0, output.probability.value));
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut points, |a, b| a.0.total_cmp(&b.0));
         let label = knowledge.parameters.join(", ");
         chart.layers.push(Layer::Line { points: points.clone(), colour, stroke: Stroke::Solid, label });
         chart.layers.push(Layer::Dots { points, colour, mark: Mark::Disc, label: String::new() });

@@ -3,6 +3,7 @@
 pub(super) mod along;
 pub mod brief;
 
+use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::job::propagate::{Case, Distributed, Joint, Kind, Met, Output, Probability};
 use crate::report::number::{self, Shown, fixed, percent, significant, with_error};
@@ -205,7 +206,7 @@ pub(super) fn curve(output: &Output, environment: &str, requirement: &str) -> Ve
             Some((c.design_value?, c.requirements.iter().find(|m| m.requirement == requirement)?.probability))
         })
         .collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut points, |a, b| a.0.total_cmp(&b.0));
     points
 }
 
@@ -333,7 +334,7 @@ fn main_effects(output: &Output) -> Option<Block> {
     for case in nominal_cases(output) {
         for quantity in &case.quantities {
             let mut effects: Vec<_> = case.main_effects.iter().filter(|e| e.quantity == quantity.name).collect();
-            effects.sort_by(|a, b| b.estimate.value.total_cmp(&a.estimate.value));
+            sort_by(&mut effects, |a, b| b.estimate.value.total_cmp(&a.estimate.value));
             rows.extend(effects.iter().take(MOST_MAIN_EFFECTS).map(|effect| {
                 vec![
                     Cell::code(&case.environment),

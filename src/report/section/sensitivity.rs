@@ -2,6 +2,7 @@
 
 mod brief;
 
+use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::job::sensitivity::{Case, Kind, Method, OfQuantity, Output, Parameter, Sobol};
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant};
@@ -51,7 +52,7 @@ fn build(report: &PassReport<'_>) -> Option<Section> {
 /// Positions of the parameters by total effect, largest first.
 pub fn by_total(sobol: &Sobol) -> Vec<usize> {
     let mut order: Vec<usize> = (0..sobol.total.len()).collect();
-    order.sort_by(|&i, &j| sobol.total[j].estimate.value.total_cmp(&sobol.total[i].estimate.value));
+    sort_by(&mut order, |&i, &j| sobol.total[j].estimate.value.total_cmp(&sobol.total[i].estimate.value));
     order
 }
 
@@ -66,7 +67,7 @@ fn order(output: &Output, quantity: &OfQuantity) -> Vec<usize> {
         morris.or(local.map(f64::abs)).or(quantity.derivative.get(at).map(|d| d.bound.value)).unwrap_or(0.0)
     };
     let mut order: Vec<usize> = (0..output.parameters.len()).collect();
-    order.sort_by(|&i, &j| size(j).total_cmp(&size(i)));
+    sort_by(&mut order, |&i, &j| size(j).total_cmp(&size(i)));
     order
 }
 
@@ -266,7 +267,7 @@ fn tornado(
     if reach.is_empty() {
         return None;
     }
-    reach.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    sort_by(&mut reach, |a, b| b.1.abs().total_cmp(&a.1.abs()));
     let bars: Vec<Bar> = reach
         .iter()
         .take(MOST_BARS)
@@ -458,7 +459,7 @@ fn derivatives(output: &Output, quantity: &OfQuantity, order: &[usize], by_diffe
 fn pairs(quantity: &OfQuantity) -> Option<Block> {
     let sobol = quantity.sobol.as_ref().filter(|sobol| !sobol.second_order.is_empty())?;
     let mut pairs: Vec<_> = sobol.second_order.iter().collect();
-    pairs.sort_by(|a, b| b.estimate.value.total_cmp(&a.estimate.value));
+    sort_by(&mut pairs, |a, b| b.estimate.value.total_cmp(&a.estimate.value));
     let rows = pairs
         .iter()
         .take(MOST_PAIRS)

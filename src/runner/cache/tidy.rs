@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use super::{Cache, Kind, Lookup, object};
+use crate::math::sort::sort_by_key;
 use crate::runner::error::RunnerError;
 use crate::runner::key::Key;
 use crate::study::file;
@@ -238,6 +239,6 @@ fn entries(folder: &Path) -> Result<Vec<DirEntry>, RunnerError> {
         other => other.map_err(RunnerError::file("list", folder))?,
     };
     let mut entries: Vec<_> = listing.collect::<Result<_, _>>().map_err(RunnerError::file("list", folder))?;
-    entries.sort_by_key(DirEntry::file_name);
+    sort_by_key(&mut entries, DirEntry::file_name);
     Ok(entries)
 }

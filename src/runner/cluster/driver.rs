@@ -13,6 +13,7 @@ use super::shards;
 use super::tracking::{Array, Block, News, Tracked};
 use crate::document::counted;
 use crate::job::JobError;
+use crate::math::sort::sort_by;
 use crate::runner::cache::Cache;
 use crate::runner::engine::elsewhere::{Elsewhere, Settled, Wanted};
 use crate::runner::error::RunnerError;
@@ -176,7 +177,7 @@ impl<'a> Driver<'a> {
             return Ok(());
         }
         // Those that failed before stand by themselves: one bad block must not take others along again.
-        ready.sort_by(|a, b| {
+        sort_by(&mut ready, |a, b| {
             let order = |block: &Block| {
                 (block.attempt, block.wanted.job.clone(), block.wanted.stage.name.clone(), block.wanted.index)
             };

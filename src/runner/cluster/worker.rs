@@ -9,6 +9,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use super::folder::{Failure, Record, ShardList, StageRecord, Submission, WrittenStage};
 use crate::document::hash::sha256_hex;
 use crate::job::Stage;
+use crate::math::sort::sort_by_key;
 use crate::runner::cache::{self, Cache, Kind, Lookup};
 use crate::runner::engine::block::{Blocks, Halt, Working, caught};
 use crate::runner::engine::pool::pool;
@@ -259,7 +260,7 @@ impl Shard<'_> {
         done.map_err(|error| Refusal(End::Temporary, error.to_string()))?;
         record.blocks_run += run.into_inner();
         let mut failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
-        failed.sort_by_key(|(index, _)| *index);
+        sort_by_key(&mut failed, |(index, _)| *index);
         for (index, error) in failed {
             match error {
                 RunnerError::Job { source, .. } => {

@@ -1,6 +1,7 @@
 //! Stretches without rows in a transient: what its inputs did meanwhile is not known.
 
 use crate::document::{Diagnostic, Place, code};
+use crate::math::sort::sort_by;
 use crate::measurement::{Doubt, Measurement, Rows};
 
 use super::plausible::short;
@@ -49,7 +50,7 @@ pub(super) fn doubts(scope: &mut Scope, measurement: &mut Measurement, place: &P
 pub fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
     let steps: Vec<f64> = times_s.windows(2).map(|two| two[1] - two[0]).collect();
     let mut ascending = steps.clone();
-    ascending.sort_by(f64::total_cmp);
+    sort_by(&mut ascending, f64::total_cmp);
     let (Some(&usual), Some(first), Some(last)) = (ascending.get(steps.len() / 2), times_s.first(), times_s.last())
     else {
         return Vec::new();

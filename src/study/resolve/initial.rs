@@ -2,6 +2,7 @@
 
 use crate::document::{Diagnostic, Map, Place, Sense, code, suggest};
 use crate::expression::{Dimension, Unit};
+use crate::math::sort::sort_by;
 use crate::measurement::{Initial, Sensor, Uncertain};
 use crate::random::Distribution;
 use crate::study::pass::measurement::{InitialForm, MeasuredStartForm, OtherNodesForm};
@@ -414,7 +415,7 @@ pub fn compare(
     if apart.is_empty() {
         return;
     }
-    apart.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sort_by(&mut apart, |a, b| b.0.total_cmp(&a.0));
     let mut named: Vec<String> = apart.iter().take(NAMED).map(|(_, words)| words.clone()).collect();
     if apart.len() > NAMED {
         named.push(format!("{} more", apart.len() - NAMED));

@@ -8,6 +8,7 @@
 
 use crate::document::{Diagnostic, Place, code};
 use crate::expression::{ExprId, Symbol};
+use crate::math::sort::sort_by;
 use crate::measurement::{Measurement, Rows};
 use crate::random::Distribution;
 use crate::study::pass::PassForm;
@@ -155,7 +156,7 @@ impl<'a> Tried<'a> {
         });
         let mut temperatures: Vec<f64> =
             boundaries.filter(|temperature_k| temperature_k.is_finite() && *temperature_k > 0.0).collect();
-        temperatures.sort_by(f64::total_cmp);
+        sort_by(&mut temperatures, f64::total_cmp);
         temperatures.dedup();
         tried.temperatures = match temperatures.as_slice() {
             [] => vec![ROOM_K],

@@ -8,6 +8,7 @@ use super::places::{Field, centres, free};
 use super::room::{Boxed, RIM, Room, Segment, at_most, crosses, height, lines, text_size};
 use super::{Diagram, HIDDEN, MOST_NAMED, NUMBER, Path, Source, colour_of};
 use crate::document::counted;
+use crate::math::sort::sort_by;
 use crate::report::number::signed;
 
 /// Width of a line of a node's name, pixels.
@@ -388,7 +389,7 @@ fn along(room: &Room, points: &[(f64, f64)], (width, height): (f64, f64)) -> Opt
     };
     let mut places: Vec<(f64, f64)> = points.iter().copied().chain([middle]).flat_map(beside).map(inside).collect();
     let distance = |at: &(f64, f64)| (at.0 - middle.0).abs() + (at.1 - middle.1).abs();
-    places.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    sort_by(&mut places, |a, b| distance(a).total_cmp(&distance(b)));
     places.into_iter().find(|&at| room.is_free(&(at, (width, height))))
 }
 

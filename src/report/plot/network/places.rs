@@ -4,6 +4,7 @@
 
 use super::room::{Boxed, RIM, Room};
 use super::{Diagram, NodeShape};
+use crate::math::sort::sort_by;
 use crate::report::plot::layout::{positions, push_apart};
 
 /// Distance of the places that are tried for a box, pixels.
@@ -95,7 +96,7 @@ pub(super) fn free(room: &mut Room, wanted: (f64, f64), size: (f64, f64), gap: f
         let (dx, dy) = (at.0 - wanted.0, at.1 - wanted.1);
         dx * dx + dy * dy
     };
-    places.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    sort_by(&mut places, |a, b| distance(a).total_cmp(&distance(b)));
     let clear = |gap: f64| -> Vec<(f64, f64)> {
         let with = (size.0 + 2.0 * gap, size.1 + 2.0 * gap);
         let is_clear = |at: &(f64, f64)| {

@@ -1,5 +1,6 @@
 //! Figures of a calibration: correlations, predictions in time, traces and ranks.
 
+use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::document::time::unit_of_time;
 use crate::job::calibrate::{Output, ParameterSummary, SensorPredictive};
@@ -27,7 +28,7 @@ pub(super) fn figures(job: &str, output: &Output) -> Vec<Block> {
     let rhat = |place: &usize| {
         output.parameters.get(&output.order[*place]).and_then(|summary| summary.rhat).unwrap_or(f64::INFINITY)
     };
-    worst.sort_by(|a, b| rhat(b).total_cmp(&rhat(a)));
+    sort_by(&mut worst, |a, b| rhat(b).total_cmp(&rhat(a)));
     let chains: Vec<Block> = worst
         .into_iter()
         .take(TRACES)
@@ -56,7 +57,7 @@ fn pair_plot(job: &str, output: &Output) -> Option<Figure> {
         others.map(|(_, value)| value.abs()).fold(0.0, f64::max)
     };
     let mut chosen: Vec<usize> = (0..count).collect();
-    chosen.sort_by(|&a, &b| strongest(b).total_cmp(&strongest(a)));
+    sort_by(&mut chosen, |&a, &b| strongest(b).total_cmp(&strongest(a)));
     chosen.truncate(PAIRS);
     chosen.sort_unstable();
     let unknowns: Vec<PairAxis> = chosen
@@ -225,7 +226,7 @@ fn ranks(job: &str, output: &Output, place: usize) -> Figure {
         .enumerate()
         .flat_map(|(chain, points)| points.iter().map(move |(_, value)| (*value, chain)))
         .collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut all, |a, b| a.0.total_cmp(&b.0));
     let mut counts = vec![[0_u32; RANK_BINS]; chains.len()];
     for (rank, (_, chain)) in all.iter().enumerate() {
         counts[*chain][rank * RANK_BINS / all.len()] += 1;

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::document::time::unit_of_time;
 use crate::job::compare::{Kind, Output, Row, SensorSummary, Table};
@@ -195,7 +196,7 @@ pub(in crate::report::section) fn phase_map(
             deviations.map(f64::abs).fold(0.0, f64::max)
         };
         let mut ranked: Vec<(f64, &str)> = phases.iter().map(|&(phase, _)| (worst_of(phase), phase)).collect();
-        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_by(&mut ranked, |a, b| b.0.total_cmp(&a.0));
         ranked.truncate(most_phases);
         phases.retain(|(phase, _)| ranked.iter().any(|(_, kept)| kept == phase));
     }
@@ -244,7 +245,7 @@ pub(in crate::report::section) fn phase_map(
 
 /// Stretches of time that are held out, from instants of which each says whether it is.
 fn held_out(mut times: Vec<(f64, bool)>) -> Vec<Shade> {
-    times.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut times, |a, b| a.0.total_cmp(&b.0));
     let mut out: Vec<Shade> = Vec::new();
     let mut is_open = false;
     for (time, held) in times {

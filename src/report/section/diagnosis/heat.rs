@@ -1,6 +1,7 @@
 //! Heat in a diagnosis: what the selected effects carry, what is missing where no effect explains it.
 
 use super::figures;
+use crate::math::sort::sort_by;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectHeat, EffectResult, Heat, Output};
 use crate::document::p_value;
@@ -73,7 +74,7 @@ pub(super) fn missing(output: &Output) -> Option<Block> {
     let longest_s = figures::longest_s(output);
     let clear = |heat: &Heat| if heat.sd > 0.0 { heat.watts.abs() / heat.sd } else { 0.0 };
     let mut clearest: Vec<&Heat> = output.heat.iter().filter(|heat| clear(heat) > 2.0).collect();
-    clearest.sort_by(|a, b| clear(b).total_cmp(&clear(a)));
+    sort_by(&mut clearest, |a, b| clear(b).total_cmp(&clear(a)));
     let more = clearest.len().saturating_sub(MOST_HEAT);
     let rows: Vec<Vec<Cell>> = clearest
         .into_iter()

@@ -1,5 +1,6 @@
 //! A quantity of a prediction as contours over two axes, with the phases of the test and what the fit leaves there.
 
+use crate::math::sort::sort_by;
 use crate::job::propagate::{Case, Output};
 use crate::job::{predict, propagate};
 use crate::measurement::Measurement;
@@ -39,12 +40,12 @@ pub(super) fn figure(report: &PassReport<'_>, name: &str, own: &Contours) -> Res
             let value = shown.value(quantile(found, 0.5));
             row.push((at, SurfaceNode { x: x.value(across), y: y.value(up), value }));
         }
-        row.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut row, |a, b| a.0.total_cmp(&b.0));
         rows.push(row.into_iter().map(|(_, node)| node).collect());
     }
     // Neighbours in the picture are neighbours in the grid.
     let first = |row: &Vec<SurfaceNode>| row.first().map_or((0.0, 0.0), |node| (node.y, node.x));
-    rows.sort_by(|a, b| first(a).0.total_cmp(&first(b).0).then(first(a).1.total_cmp(&first(b).1)));
+    sort_by(&mut rows, |a, b| first(a).0.total_cmp(&first(b).0).then(first(a).1.total_cmp(&first(b).1)));
     let columns = rows.first().map_or(0, Vec::len);
     let is_grid = rows.len() > 1 && columns > 1 && rows.iter().all(|row| row.len() == columns);
     let Some(shown) = value_shown.filter(|_| is_grid) else {

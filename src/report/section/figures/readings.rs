@@ -1,5 +1,6 @@
 //! Readings of a sensor against an input or another sensor, beside the model's prediction and estimates of others.
 
+use crate::math::sort::sort_by;
 use crate::measurement::{Measurement, Phase};
 use crate::report::number::{Shown, as_given, with_unit};
 use crate::report::page::Figure;
@@ -44,7 +45,7 @@ pub(super) fn figure(report: &PassReport<'_>, name: &str, own: &Readings) -> Res
         return Err(format!("no phase of {} has both readings", measured.name));
     }
     let mut series: Vec<Option<f64>> = points.iter().map(|point| point.by).collect();
-    series.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
+    sort_by(&mut series, |a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
     series.dedup();
     let place = |(at, of): (f64, f64)| (x.value(at), y.value(of));
     let mut layers = Vec::new();
@@ -52,7 +53,7 @@ pub(super) fn figure(report: &PassReport<'_>, name: &str, own: &Readings) -> Res
         let colour = palette::series(position);
         let in_series = || points.iter().filter(|point| point.by == *by);
         let mut line: Vec<(f64, f64)> = in_series().filter_map(|point| point.predicted).map(place).collect();
-        line.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut line, |a, b| a.0.total_cmp(&b.0));
         layers.push(Layer::Line { points: line, colour, stroke: Stroke::Solid, label: String::new() });
         let label = by.zip(own.by).map_or(String::new(), |(value, input)| series_label(report, input, value));
         for (held_out, mark, label) in [(false, Mark::Disc, label), (true, Mark::Ring, String::new())] {

@@ -1,5 +1,6 @@
 //! What sizes by rule buy and cost, judged by what is known after the calibration.
 
+use crate::math::sort::sort_by;
 use crate::job::conventional::{self, Basis, Size};
 use crate::job::correlate::Method;
 use crate::job::predict;
@@ -307,7 +308,7 @@ fn resource(question: &Question<'_>, name: &str, at: f64) -> Option<f64> {
     let mut points: Vec<(f64, f64)> = own
         .filter_map(|case| Some((case.design_value?, case.quantities.iter().find(|own| own.name == name)?.mean)))
         .collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut points, |a, b| a.0.total_cmp(&b.0));
     let pair = points.windows(2).find(|pair| pair[0].0 <= at && at <= pair[1].0)?;
     let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
     Some(if x1 > x0 { y0 + (at - x0) / (x1 - x0) * (y1 - y0) } else { y0 })

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::effect::{GroupPlace, Site};
 use crate::report::number::{NONE, as_given, significant, with_unit};
@@ -107,7 +108,7 @@ impl Parts {
         }));
         let mut lines: Vec<((bool, usize, usize), Class)> =
             self.classes(model).into_iter().filter(|((_, a, b), _)| a != b).collect();
-        lines.sort_by(|a, b| (a.0.0).cmp(&b.0.0).then(b.1.total.total_cmp(&a.1.total)).then(a.0.cmp(&b.0)));
+        sort_by(&mut lines, |a, b| (a.0.0).cmp(&b.0.0).then(b.1.total.total_cmp(&a.1.total)).then(a.0.cmp(&b.0)));
         for kind in [false, true] {
             for ((_, a, b), class) in lines.iter().filter(|line| line.0.0 == kind).take(MOST_LINES) {
                 let path = if kind { Path::Radiation } else { Path::Conductor };

@@ -1,5 +1,6 @@
 //! Quantities over the sweep of a design variable.
 
+use crate::math::sort::sort_by;
 use crate::job::propagate::{Distributed, Output};
 use crate::report::number::Shown;
 use crate::report::page::{Block, Figure};
@@ -32,7 +33,7 @@ fn figures(output: &Output, job: &str) -> Vec<Figure> {
                 let Some([low, high]) = ends(found) else { continue };
                 points.push([x.value(at), super::quantile(found, 0.5), low, high]);
             }
-            points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            sort_by(&mut points, |a, b| a[0].total_cmp(&b[0]));
             let colour = palette::series(position);
             let label = if environments.len() > 1 { (*environment).to_owned() } else { String::new() };
             let band = points.iter().map(|[at, _, low, high]| (*at, y.value(*low), y.value(*high))).collect();

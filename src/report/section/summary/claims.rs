@@ -1,5 +1,6 @@
 //! What requirements and sizes say on the first screen, each claim in the light of the model's test.
 
+use crate::math::sort::sort_by;
 use crate::job::{conventional, predict, propagate};
 use crate::report::number::{self, Shown};
 use crate::report::page::{Statement, Text};
@@ -156,6 +157,6 @@ pub(super) fn of_sizes(report: &PassReport<'_>, output: &conventional::Output, j
 
 /// The middle one by size, the larger of two.
 fn sorted_middle(mut sizes: Vec<&conventional::Size>) -> Option<&conventional::Size> {
-    sizes.sort_by(|a, b| a.size.unwrap_or(f64::NAN).total_cmp(&b.size.unwrap_or(f64::NAN)));
+    sort_by(&mut sizes, |a, b| a.size.unwrap_or(f64::NAN).total_cmp(&b.size.unwrap_or(f64::NAN)));
     sizes.get(sizes.len() / 2).copied()
 }

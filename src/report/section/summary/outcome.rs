@@ -1,5 +1,6 @@
 //! What came out of the pass in a sentence or two, and the next step as a command.
 
+use crate::math::sort::sort_by;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{DiscriminatingStep, EffectResult, Output as Diagnosis};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
@@ -220,7 +221,7 @@ fn of_requirements(report: &PassReport<'_>) -> Option<Text> {
         Status::Caution => 1,
         Status::Ok => 2,
     };
-    rows.sort_by(|a, b| rank(a.0.status).cmp(&rank(b.0.status)).then(a.1.total_cmp(&b.1)));
+    sort_by(&mut rows, |a, b| rank(a.0.status).cmp(&rank(b.0.status)).then(a.1.total_cmp(&b.1)));
     let mut text = Text::default();
     for (position, (row, _)) in rows.iter().take(MOST_REQUIREMENTS).enumerate() {
         text = text.plain(if position == 0 { "Requirement: " } else { "; " });
