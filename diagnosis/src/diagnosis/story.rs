@@ -22,8 +22,8 @@ pub(crate) const EXPLAINS_ALIKE: f64 = 0.95;
 const EXPLAINS_MOST: f64 = 0.8;
 /// Log odds by which the former then stands behind.
 const IMPLAUSIBLE: f64 = 1.0;
-/// Share of the squares of errors that an effect has to explain, on the fitted and on the unseen rows, so that it follows no errors of the
-/// model, whatever the fitted rows want more that fails on the unseen ones.
+/// Share of the squares of errors that an effect has to explain, on the fitted and on the unseen rows, so that what the fitted rows want
+/// more and what fails on the unseen ones is no rival of it: errors of the model help on one of them only.
 const EXPLAINS_ON_BOTH: f64 = 0.5;
 /// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
 const MINOR_SHARE: f64 = 0.2;
@@ -70,7 +70,8 @@ pub(crate) struct Step {
     pub stays: f64,
     /// What may be added, most probable first.
     pub additions: Vec<Addition>,
-    /// Effects that fail on the unseen rows where another explains most of the errors on fitted and unseen ones: they are no rivals of it.
+    /// Effects that fail on the unseen rows, where the one that is added explains half of the errors there and on the fitted ones: they
+    /// are no rivals of it.
     pub failing: Vec<usize>,
 }
 
@@ -211,6 +212,21 @@ fn is_implausible(state: &State, at: usize, place: usize) -> bool {
 /// Whether the prior of an effect of a set is as wide as the catalogue's.
 fn is_as_written(state: &State, effect: usize, place: usize) -> bool {
     state.refits[place].widths().get(&effect).is_some_and(|&width| width <= 1.0)
+}
+
+/// Whether what a set adds to another explains half of the errors on the fitted and on the unseen rows.
+pub(crate) fn explains_half(state: &State, at: usize, place: usize) -> bool {
+    let [before, after] = [at, place].map(|place| &state.refits[place]);
+    explains_on_both([before.rmse_train_k, after.rmse_train_k], unseen(before, after))
+}
+
+/// The most probable of some sets that each add an effect to another. One that fails on the unseen rows comes last where another explains
+/// half of the errors on both.
+fn first_by_weight(state: &State, logs: &[f64], at: usize, places: &[usize]) -> Option<usize> {
+    let fails = |place: usize| rises(unseen(&state.refits[at], &state.refits[place]));
+    let has_half = places.iter().any(|&place| explains_half(state, at, place));
+    let rank = |place: usize| (!(has_half && fails(place)), logs[place]);
+    places.iter().copied().reduce(|a, b| if rank(b) > rank(a) { b } else { a })
 }
 
 /// Whether an effect of plausible size goes before one of a hundred times that, each by a set that adds it to another: it
@@ -404,11 +420,11 @@ impl Diagnosis {
         let mut sets = vec![0];
         while let Some(&at) = sets.last().filter(|&&at| at != end) {
             let all: Vec<usize> = self.on_the_way(state, at, end).filter(|&place| logs[place].is_finite()).collect();
-            let most = |places: &mut dyn Iterator<Item = usize>| {
-                places.reduce(|a, b| if weight(at, b) > weight(at, a) { b } else { a })
-            };
-            let Some(next) = most(&mut all.iter().copied()) else { return story };
-            let plausible = most(&mut all.iter().copied().filter(|&place| goes_before(state, logs, at, place, next)));
+            let weights: Vec<f64> = (0..logs.len()).map(|place| weight(at, place)).collect();
+            let most = |places: &[usize]| first_by_weight(state, &weights, at, places);
+            let Some(next) = most(&all) else { return story };
+            let before_next = all.iter().copied().filter(|&place| goes_before(state, logs, at, place, next));
+            let plausible = most(&before_next.collect::<Vec<_>>());
             sets.push(plausible.unwrap_or(next));
         }
         if sets == story.sets {
@@ -444,6 +460,29 @@ impl Diagnosis {
 
     /// The same; where a next set is given, the step leads to that set, whatever would be added otherwise.
     fn step_to(&self, state: &State, logs: &Logs, at: usize, asked: AskedOfUnseen, next_set: Option<usize>) -> Step {
+        let is_failing = |&place: &usize| {
+            added(state, at, place).is_some() && rises(unseen(&state.refits[at], &state.refits[place]))
+        };
+        let failing: Vec<usize> = (0..logs.len()).filter(is_failing).collect();
+        if !failing.is_empty() {
+            let without = self.step_without(state, logs, at, asked, next_set, &failing);
+            if without.chosen.is_some_and(|place| explains_half(state, at, place)) {
+                return without;
+            }
+        }
+        self.step_without(state, logs, at, asked, next_set, &[])
+    }
+
+    /// The same, where some sets are no rivals of the one that is added.
+    fn step_without(
+        &self,
+        state: &State,
+        logs: &Logs,
+        at: usize,
+        asked: AskedOfUnseen,
+        next_set: Option<usize>,
+        failing: &[usize],
+    ) -> Step {
         let next: Vec<(usize, usize)> = (0..logs.len())
             .filter_map(|place| Some((added(state, at, place)?, place)))
             .filter(|one| logs[one.1].is_finite())
@@ -461,17 +500,8 @@ impl Diagnosis {
             let others = next.iter().map(|one| one.1).filter(|&place| logs[place] > logs[plausible]);
             others.for_each(|place| logs_of_step[place] = logs[plausible] - IMPLAUSIBLE);
         }
-        let explains_on_both = |place: usize| {
-            let [before, after] = [at, place].map(|place| &state.refits[place]);
-            explains_on_both([before.rmse_train_k, after.rmse_train_k], unseen(before, after))
-        };
-        let fails = |place: usize| rises(unseen(&state.refits[at], &state.refits[place])) && Some(place) != next_set;
-        let mut failing = Vec::new();
-        if next.iter().any(|one| !self.is_unknown_function(one.0) && pays(one.1) && explains_on_both(one.1)) {
-            for &(effect, place) in next.iter().filter(|one| fails(one.1)) {
-                logs_of_step[place] = f64::NEG_INFINITY;
-                failing.push(effect);
-            }
+        for &place in failing.iter().filter(|&&place| Some(place) != next_set) {
+            logs_of_step[place] = f64::NEG_INFINITY;
         }
         let largest_law = largest_law.map_or(f64::NEG_INFINITY, |place| logs[place]);
         let logs = logs_of_step;
@@ -555,6 +585,7 @@ impl Diagnosis {
             additions.iter_mut().for_each(|one| one.probability /= rest);
             stays /= rest;
         }
+        let failing = failing.iter().filter_map(|&place| added(state, at, place)).collect();
         Step { before: at, chosen: chosen.map(|one| one.place), stays, additions, failing }
     }
 
@@ -584,7 +615,10 @@ impl Diagnosis {
                 state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
             let is_alike = |one: &&Addition| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain);
             let pays = |one: &&Addition| more > 0 && pays(state, logs, step.before, one.place, AskedOfUnseen::Fall);
-            for other in step.additions.iter().filter(|one| is_alike(one) || is_minor(*member) || pays(one)) {
+            let may_displace = |one: &&Addition| {
+                !step.failing.contains(&one.effect) && (is_alike(one) || is_minor(*member) || pays(one))
+            };
+            for other in step.additions.iter().filter(may_displace) {
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
                     let effects = &state.refits[place].effects;
@@ -641,8 +675,8 @@ impl Diagnosis {
         while let Some(&at) = sets.last()
             && state.refits[at].effects.len() < state.refits[end].effects.len()
         {
-            let next = self.on_the_way(state, at, end).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
-            sets.push(next.unwrap_or(end));
+            let all: Vec<usize> = self.on_the_way(state, at, end).collect();
+            sets.push(first_by_weight(state, logs, at, &all).unwrap_or(end));
         }
         let step = |pair: &[usize]| {
             let own = self.step_to(state, logs, pair[0], AskedOfUnseen::FallUnlessClear, Some(pair[1]));

@@ -1,6 +1,6 @@
 //! Heat that was logged: a power or an irradiance among the inputs. Beside a model that does not use it heat in proportion to it is
-//! more probable than to another input: nobody logs the sun or the power of a motor where it does not warm anything. Of a model that
-//! uses it the power is what was read, at any temperature.
+//! more probable than to another input: nobody logs the sun or the power of a motor where it does not warm anything. A power that
+//! the model uses is what was read, at any temperature.
 
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::medium::has_dimension;
@@ -43,26 +43,21 @@ fn inputs_of_heat(element: &Element, graph: &mut Graph) -> Vec<usize> {
     symbols.filter_map(input).collect()
 }
 
-/// Of each candidate whether it lets the power of loads or heaters follow their temperature alone, though all of them are in proportion to a
-/// logged power or irradiance.
-pub(crate) fn are_laws_of_logged_heat(problem: &Problem) -> Vec<bool> {
+/// Of each candidate whether it lets the power of loads or heaters follow their temperature, though all of them are made of logged powers
+/// and of nothing else that changes.
+pub(crate) fn are_laws_of_logged_power(problem: &Problem) -> Vec<bool> {
     let model = &problem.model;
     let mut graph = model.graph.clone();
-    let is_logged: Vec<bool> = model
-        .elements
-        .iter()
-        .map(|element| {
-            element.physics().heated().is_some()
-                && inputs_of_heat(element, &mut graph).iter().any(|&input| is_heat(&model.inputs[input]))
-        })
-        .collect();
-    let laws: Vec<&str> = problem
-        .catalogue
-        .effects()
-        .iter()
-        .filter(|effect| follows_temperature(effect))
-        .map(|effect| effect.name.as_str())
-        .collect();
+    let mut is_logged = |element: &Element| {
+        let heats = element.contribution(&mut graph, &mut Vec::new(), false).heat;
+        let follows_node = heats.iter().any(|&(_, heat)| graph.dependence(heat).intersects(Dependence::NODE));
+        let inputs = inputs_of_heat(element, &mut graph);
+        let are_powers = inputs.iter().all(|&input| has_dimension(&model.inputs[input], "W"));
+        element.physics().heated().is_some() && !follows_node && !inputs.is_empty() && are_powers
+    };
+    let is_logged: Vec<bool> = model.elements.iter().map(&mut is_logged).collect();
+    let laws = problem.catalogue.effects().iter().filter(|effect| follows_temperature(effect));
+    let laws: Vec<&str> = laws.map(|effect| effect.name.as_str()).collect();
     let is_one = |own: &Candidate| {
         let Site::Elements(elements) = &own.site else { return false };
         laws.contains(&own.effect.as_str()) && elements.iter().all(|&element| is_logged.get(element) == Some(&true))
@@ -70,7 +65,7 @@ pub(crate) fn are_laws_of_logged_heat(problem: &Problem) -> Vec<bool> {
     problem.candidates.iter().map(is_one).collect()
 }
 
-/// Whether an effect is a factor that depends on temperatures and on nothing else.
+/// Whether an effect is a factor that depends on temperatures, and on no input.
 fn follows_temperature(effect: &Effect) -> bool {
     let Some(text) = &effect.form.adds.value.factor else { return false };
     let mut graph = Graph::new();

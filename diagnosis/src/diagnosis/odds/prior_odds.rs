@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 
 use crate::diagnosis::Problem;
-use crate::diagnosis::odds::logged_heat::{are_laws_of_logged_heat, are_of_unused_heat, warms};
+use crate::diagnosis::odds::logged_heat::{are_laws_of_logged_power, are_of_unused_heat, warms};
 use crate::diagnosis::odds::medium::{is_pressure, is_temperature, is_vacuum};
 use crate::effect::{Bound, Effect, Site};
 use crate::math::functions::ln;
@@ -34,7 +34,7 @@ const LOGGED_HEAT: f64 = 1.5;
 const PATH_BY_HEAT: f64 = 1.5;
 /// Log odds by which a logged power that follows the temperature of what it heats stands behind other effects: a meter has read it at
 /// that temperature. What was logged may be a command or a rating, so that the odds are not those of what is out of place. A convention.
-const LAW_OF_LOGGED_HEAT: f64 = 1.5;
+const LAW_OF_LOGGED_POWER: f64 = 1.5;
 
 /// Time in which a change at a date is as probable as another kind of effect, s: a day. A convention.
 const CHANGES_WITHIN_S: f64 = 86_400.0;
@@ -49,7 +49,7 @@ pub struct PriorOdds {
     /// Of each candidate whether it is heat in proportion to a logged power or irradiance that the model does not use.
     are_of_unused_heat: Vec<bool>,
     /// Of each candidate whether it lets a logged power follow temperature.
-    are_laws_of_logged_heat: Vec<bool>,
+    are_laws_of_logged_power: Vec<bool>,
 }
 
 impl PriorOdds {
@@ -71,9 +71,9 @@ impl PriorOdds {
             ln(missing / (1.0 - missing)) - ln(count.max(1) as f64) - behind
         };
         let kinds = counts.into_iter().map(|(effect, count)| (effect.clone(), odds(&effect, count))).collect();
-        let (are_of_unused_heat, are_laws_of_logged_heat) =
-            (are_of_unused_heat(problem), are_laws_of_logged_heat(problem));
-        Self { kinds, vacuum: is_vacuum(problem), are_of_unused_heat, are_laws_of_logged_heat }
+        let (are_of_unused_heat, are_laws_of_logged_power) =
+            (are_of_unused_heat(problem), are_laws_of_logged_power(problem));
+        Self { kinds, vacuum: is_vacuum(problem), are_of_unused_heat, are_laws_of_logged_power }
     }
 
     /// Whether a candidate's physics is out of place: it needs a gas in vacuum, or something that any input may stand for
@@ -100,7 +100,7 @@ impl PriorOdds {
             let second = if is_path_and_part(problem, effect) { ln(MISSING / (1.0 - MISSING)) } else { 0.0 };
             let logged = if self.are_of_unused_heat.get(effect) == Some(&true) { LOGGED_HEAT } else { 0.0 };
             let by_heat = if is_path_by_heat(problem, effect) { PATH_BY_HEAT } else { 0.0 };
-            let law = if self.are_laws_of_logged_heat.get(effect) == Some(&true) { LAW_OF_LOGGED_HEAT } else { 0.0 };
+            let law = if self.are_laws_of_logged_power.get(effect) == Some(&true) { LAW_OF_LOGGED_POWER } else { 0.0 };
             Some(odds + second + logged - place - by_heat - law)
         };
         effects.iter().filter_map(one).sum()

@@ -10,7 +10,7 @@ use crate::diagnosis::odds::posterior_odds::{
     RIVALS_WITHIN, STANDS, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
 };
 use crate::diagnosis::output::{HeldOutTest, Output, Verdict};
-use crate::diagnosis::story::{Story, explains_on_both};
+use crate::diagnosis::story::{Story, explains_half};
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::findings::{Findings, free, is_small_error};
 use crate::diagnosis::verdict::results::{detectable, misfit, models, noise, unseen};
@@ -161,11 +161,13 @@ impl Diagnosis {
             }
             findings.lumped_nodes = findings.lumped_nodes();
             let chosen = &state.refits[findings.selected];
-            let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings);
+            let leaves_more = !chosen.effects.is_empty() && self.leaves_more(&findings);
+            let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings, leaves_more);
             if explains {
                 findings.add_nearly_as_good();
                 findings.add_storage_alternatives();
-                verdict = findings.judge();
+                // What leaves more than the noise is not settled.
+                verdict = if leaves_more { Verdict::Ambiguous } else { findings.judge() };
             } else {
                 // The test was that of a set which is not adopted.
                 held_out_test = None;
@@ -345,25 +347,23 @@ impl Diagnosis {
         !findings.state.is_misspecified() && (fails || findings.remaining_now().is_some_and(is_clear))
     }
 
-    /// Whether the selected set leaves the model far from the noise while tests go on finding something. Where the model is a little wrong
-    /// everywhere, what explains most of the errors on fitted and unseen rows is an explanation, whatever remains.
-    fn leaves_too_much(&self, findings: &Findings<'_>) -> bool {
+    /// Whether the selected set leaves the model far from the noise while tests go on finding something.
+    fn leaves_more(&self, findings: &Findings<'_>) -> bool {
         let chosen = &findings.state.refits[findings.selected];
         let found = findings.remaining_now().is_some_and(|p| p <= self.settings().false_alarm);
         let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
         let far = match findings.state.is_misspecified() {
-            true => {
-                let baseline = &findings.state.refits[0];
-                findings.reduced_chi_square(findings.selected) > FAR_FROM_MODEL_ERROR
-                    && !explains_on_both(
-                        [baseline, chosen].map(|refit| refit.rmse_train_k),
-                        [baseline, chosen].map(|refit| refit.rmse_held_out_k),
-                    )
-            }
+            true => findings.reduced_chi_square(findings.selected) > FAR_FROM_MODEL_ERROR,
             false => chi_square_sf(chosen.chi_square, freedom.max(1.0)) < FAR_FROM_NOISE,
         };
-        let rather_else = findings.weights.unexplained > RATHER_ELSE;
-        (found && far) || rather_else
+        found && far
+    }
+
+    /// Whether that is too much for an explanation. Where the model is a little wrong everywhere, a set that explains half of the errors on
+    /// fitted and on unseen rows is one, whatever remains.
+    fn leaves_too_much(&self, findings: &Findings<'_>, leaves_more: bool) -> bool {
+        let explains_half = findings.state.is_misspecified() && explains_half(findings.state, 0, findings.selected);
+        leaves_more && !explains_half || findings.weights.unexplained > RATHER_ELSE
     }
 }
 

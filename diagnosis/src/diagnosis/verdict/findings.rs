@@ -4,7 +4,7 @@ use crate::diagnosis::engine::{Remainder, State};
 use crate::diagnosis::odds::posterior_odds::{STANDS, SURE, SetProbabilities, best, held};
 use crate::diagnosis::output::Verdict;
 use crate::diagnosis::problem::is_idle;
-use crate::diagnosis::story::{Step, Story};
+use crate::diagnosis::story::{Step, Story, added};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::storage_alternative::StorageAlternative;
 use crate::diagnosis::{Problem, Refit};
@@ -112,9 +112,12 @@ impl Findings<'_> {
         self.story.as_ref().is_some_and(|story| story.refused.contains(&effect))
     }
 
-    /// Whether the held-out rows refuse an effect where another explains most of the errors.
-    pub(super) fn fails_at_a_step(&self, effect: usize) -> bool {
-        self.story.as_ref().is_some_and(|story| story.steps.iter().any(|step| step.failing.contains(&effect)))
+    /// Whether an effect fails on the held-out rows at the step that adds a member, which explains half of the errors.
+    pub(super) fn fails_beside(&self, member: usize, effect: usize) -> bool {
+        let adds_member =
+            |step: &Step| step.chosen.and_then(|place| added(self.state, step.before, place)) == Some(member);
+        let fails = |step: &Step| step.failing.contains(&effect) && adds_member(step);
+        self.story.as_ref().is_some_and(|story| story.steps.iter().any(fails))
     }
 
     /// Whether an effect is so small that errors of the model may well be what it explains.

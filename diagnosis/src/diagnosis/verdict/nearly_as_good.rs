@@ -39,7 +39,7 @@ impl Findings<'_> {
         };
         let tempering = self.tempering(&logs);
         let odds = |own: &Alternative| exp(-own.lag.max(0.0) / tempering).max(self.odds_by_chance(own));
-        let may_stand = |own: &Alternative| !self.fails_at_a_step(own.effect);
+        let may_stand = |own: &Alternative| !self.fails_beside(self.groups[own.group][0], own.effect);
         let mut all: Vec<(f64, Alternative)> =
             self.lags(&logs).into_iter().filter(may_stand).map(|own| (odds(&own), own)).collect();
         sort_by(&mut all, |a, b| {

@@ -42,13 +42,15 @@ pub fn clearness(p: f64, false_alarm: f64) -> String {
     format!("that is a misfit ({}, the probability of one as clear as this where nothing is missing)", p_stated(p))
 }
 
-/// What the fitted rows want most at the first step, and the errors on the held-out rows without it and with it.
+/// What the fitted rows want most by itself and no step adds, and the errors on the held-out rows without it and with it.
 fn most_wanted<'a>(findings: &'a Findings<'_>) -> Option<(&'a Addition, [Option<f64>; 2])> {
     let story = findings.story.as_ref()?;
-    let step = story.steps.first()?;
+    let step = story.steps.first().filter(|step| findings.state.refits[step.before].effects.is_empty())?;
     let log = |one: &Addition| story.logs[one.place];
     let most = step.additions.iter().max_by(|a, b| log(a).total_cmp(&log(b)))?;
-    Some((most, [step.before, most.place].map(|place| findings.state.refits[place].rmse_held_out_k)))
+    let is_added = findings.state.refits[findings.selected].effects.contains(&most.effect);
+    let errors = || [step.before, most.place].map(|place| findings.state.refits[place].rmse_held_out_k);
+    (!is_added).then(|| (most, errors()))
 }
 
 /// That this fails on the held-out rows.
@@ -215,7 +217,16 @@ fn more_probable(findings: &Findings<'_>) -> Option<String> {
         let of_a_step = |effect: &usize| findings.groups.iter().any(|group| group.contains(effect));
         findings.state.refits[place].effects.iter().all(of_a_step)
     };
-    let best = off_the_steps(weights, is_of_steps).filter(|_| !findings.groups.is_empty())?;
+    // What fails on the held-out rows by itself has a sentence of its own.
+    let steps = findings.story.iter().flat_map(|story| &story.steps);
+    let failing: Vec<usize> = steps.flat_map(|step| &step.failing).copied().collect();
+    let fails = |refit: &Refit| refit.effects.iter().any(|effect| failing.contains(effect));
+    let weights: Vec<f64> = weights
+        .iter()
+        .zip(&findings.state.refits)
+        .map(|(&weight, refit)| if fails(refit) { 0.0 } else { weight })
+        .collect();
+    let best = off_the_steps(&weights, is_of_steps).filter(|_| !findings.groups.is_empty())?;
     let refit = &findings.state.refits[best];
     let ids: Vec<&str> = refit.effects.iter().map(|&effect| findings.id(effect)).collect();
     let error = |rmse: Option<f64>, rows: &str| rmse.map(|rmse| format!("{} K on the {rows} rows", kelvins(rmse)));

@@ -55,7 +55,7 @@ fn a_logged_power_that_follows_temperature_is_less_likely() {
     };
     for (effect, unit, expected) in [
         ("dissipation-temperature", "W", 1.5),
-        ("dissipation-temperature", "W/m^2", 1.5),
+        ("dissipation-temperature", "W/m^2", 0.0),
         ("dissipation-temperature", "A", 0.0),
         ("heater-efficiency", "W", 0.0),
         ("dated-power", "W", 0.0),
