@@ -11,6 +11,8 @@ mod driven_loads;
 mod effects;
 mod elements;
 mod excursions;
+mod failing_rival;
+mod failing_rival;
 mod first_suspects;
 mod flux;
 mod forced_convection;

@@ -225,6 +225,8 @@ pub enum Likeness {
     LumpedNodes(f64),
     /// Nothing in particular.
     None,
+    /// What the fitted rows want more and the held-out rows contradict.
+    Failing,
 }
 
 /// That errors of the model itself, or what else reads the same, may be what an effect explains.
@@ -241,6 +243,9 @@ pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
             }
             (Likeness::Phases, _) => {
                 "There are hardly more phases than the curve has values: what was peculiar to each phase would read the same. Half of the probability is given to that."
+            }
+            (Likeness::Failing, _) => {
+                "The fitted rows want more what fails on the held-out ones: something that neither of them describes may be missing, and half of the probability is given to that."
             }
             (Likeness::LumpedNodes(size_k), _) => {
                 return format!(

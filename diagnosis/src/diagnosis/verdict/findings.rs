@@ -4,7 +4,7 @@ use crate::diagnosis::engine::{Remainder, State};
 use crate::diagnosis::odds::posterior_odds::{STANDS, SURE, SetProbabilities, best, held};
 use crate::diagnosis::output::Verdict;
 use crate::diagnosis::problem::is_idle;
-use crate::diagnosis::story::{Step, Story, added};
+use crate::diagnosis::story::{Addition, Step, Story, added};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::storage_alternative::StorageAlternative;
 use crate::diagnosis::{Problem, Refit};
@@ -103,8 +103,8 @@ impl Findings<'_> {
     /// Probability that errors of the model are what an effect explains.
     pub(super) fn model_error(&self, effect: usize) -> f64 {
         let of = |probabilities: &BTreeMap<usize, f64>| probabilities.get(&effect).copied().unwrap_or(0.0);
-        let refused = if self.is_refused(effect) { IS_MODEL_ERROR } else { 0.0 };
-        of(&self.model_errors).max(of(&self.lumped_nodes)).max(refused)
+        let contradicted = if self.is_refused(effect) || self.is_outweighed(effect) { IS_MODEL_ERROR } else { 0.0 };
+        of(&self.model_errors).max(of(&self.lumped_nodes)).max(contradicted)
     }
 
     /// Whether the held-out rows refuse an effect as a step.
@@ -112,12 +112,24 @@ impl Findings<'_> {
         self.story.as_ref().is_some_and(|story| story.refused.contains(&effect))
     }
 
+    /// The step that adds an effect.
+    fn story_step_of(&self, effect: usize) -> Option<&Step> {
+        let adds = |step: &&Step| step.chosen.and_then(|place| added(self.state, step.before, place)) == Some(effect);
+        self.story.as_ref()?.steps.iter().find(adds)
+    }
+
     /// Whether an effect fails on the held-out rows at the step that adds a member, which explains half of the errors.
     pub(super) fn fails_beside(&self, member: usize, effect: usize) -> bool {
-        let adds_member =
-            |step: &Step| step.chosen.and_then(|place| added(self.state, step.before, place)) == Some(member);
-        let fails = |step: &Step| step.failing.contains(&effect) && adds_member(step);
-        self.story.as_ref().is_some_and(|story| story.steps.iter().any(fails))
+        self.story_step_of(member).is_some_and(|step| step.failing.contains(&effect))
+    }
+
+    /// Whether what fails on the held-out rows would be more probable than an effect at the step that adds it.
+    pub(super) fn is_outweighed(&self, effect: usize) -> bool {
+        let (Some(story), Some(step)) = (&self.story, self.story_step_of(effect)) else { return false };
+        let is_more = |one: &Addition| {
+            step.failing.contains(&one.effect) && step.chosen.is_some_and(|own| story.logs[one.place] > story.logs[own])
+        };
+        step.additions.iter().any(is_more)
     }
 
     /// Whether an effect is so small that errors of the model may well be what it explains.

@@ -358,6 +358,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 let place = findings.problem.candidates.iter().position(|own| own.id == effect.id);
                 match findings.problem.catalogue.get(&effect.effect).is_some_and(Effect::is_like_gradient) {
                     true => Likeness::Gradient,
+                    false if place.is_some_and(|place| findings.is_outweighed(place)) => Likeness::Failing,
                     false if place.is_some_and(|place| findings.is_source(place)) => Likeness::Source,
                     false if place.is_some_and(|place| is_curve_of_few_phases(findings.problem, place)) => {
                         Likeness::Phases
