@@ -72,6 +72,14 @@ fn the_lag_of_a_thermometer_is_a_step_though_the_fitted_rows_want_more_what_fail
     assert!(wanted.rmse_k.held_out.unwrap() > before, "{wanted:?}");
     let fails = format!("{}, fails on the held-out rows", wanted.effects[0]);
     assert!(output.words.iter().any(|said| said.contains(&fails)), "{:?}", output.words);
+    // What is a delay in truth is no lag: the program is not sure of it.
+    let lag = output.effects.iter().find(|effect| effect.id == "sensor-lag:T_out").unwrap();
+    assert!(lag.probability <= 0.5, "{}", lag.probability);
+    assert!(
+        output.words.iter().any(|said| said.contains("something that neither of them describes")),
+        "{:?}",
+        output.words
+    );
     let rival = output.effects.iter().find(|effect| effect.id == wanted.effects[0]);
     assert!(rival.is_none_or(|rival| rival.group.is_none()), "{rival:?}");
 }
