@@ -12,7 +12,6 @@ mod effects;
 mod elements;
 mod excursions;
 mod failing_rival;
-mod failing_rival;
 mod first_suspects;
 mod flux;
 mod forced_convection;
