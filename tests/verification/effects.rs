@@ -371,7 +371,6 @@ fn changes_of_what_is_there_follow_their_equations() {
         ("dated-conductance:panel to shroud", "panel to shroud", 0.03 * (1.0 + 0.5 * 0.5)),
         ("dissipation-temperature:board", "board", 6.0 * (1.0 + 0.005 * (cabinet - 293.15))),
         ("heater-efficiency:board", "board", 6.0 * 1.1),
-        ("dated-power:board", "board", 6.0 * (1.0 + 0.5 * 0.5)),
     ];
     for &(id, name, expected) in cases {
         let candidate = all.iter().find(|candidate| candidate.id == id).unwrap_or_else(|| panic!("{id}"));

@@ -341,7 +341,7 @@ fn transient_directions_are_the_slopes_of_each_effects_likelihood() {
         // The steps of the baseline model know nothing of a change within 0.4 % of the record: the three sensors' readings there, and next to
         // it, are nearly right.
         let effect = problem.candidates[direction.candidate].effect.as_str();
-        let is_dated = ["dated-load", "dated-power", "dated-conductance"].contains(&effect);
+        let is_dated = ["dated-load", "dated-conductance"].contains(&effect);
         // The same changes by the clock of a run: here over 12 s, a tenth of a step, and at the very instant of a row.
         if !["event-load", "event-conductance"].contains(&effect) {
             check(&problem, &own, direction, 0.03, 0.02, if is_dated { 6 } else { 0 });

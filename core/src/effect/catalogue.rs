@@ -42,7 +42,6 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("absorptance-drift", include_str!("catalogue/absorptance-drift.json")),
     ("heater-capacity", include_str!("catalogue/heater-capacity.json")),
     ("heater-efficiency", include_str!("catalogue/heater-efficiency.json")),
-    ("dated-power", include_str!("catalogue/dated-power.json")),
     ("missing-heater", include_str!("catalogue/missing-heater.json")),
     ("cooler-degradation", include_str!("catalogue/cooler-degradation.json")),
     ("cooler-contact", include_str!("catalogue/cooler-contact.json")),

@@ -58,7 +58,6 @@ fn a_logged_power_that_follows_temperature_is_less_likely() {
         ("dissipation-temperature", "W/m^2", 0.0),
         ("dissipation-temperature", "A", 0.0),
         ("heater-efficiency", "W", 0.0),
-        ("dated-power", "W", 0.0),
         ("temperature-dependent-conductance", "W", 0.0),
     ] {
         let lost = odds(effect, "V") - odds(effect, unit);
