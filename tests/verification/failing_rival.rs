@@ -14,7 +14,7 @@ const MODEL: &str = r#"{
   "parameters": {
     "P": {"unit": "W", "nominal": 2200, "prior": {"uniform": [500, 6000]}, "source": "assumed"},
     "C": {"unit": "J/K", "nominal": 3000, "prior": {"uniform": [100, 20000]}, "source": "assumed"},
-    "T_in": {"unit": "K", "nominal": 293, "prior": {"normal": {"mean": 293, "sd": 4, "lower": 281, "upper": 302}}, "source": "assumed"}},
+    "T_in": {"unit": "degC", "nominal": 20, "prior": {"normal": {"mean": 20, "sd": 4, "lower": 8, "upper": 29}}, "source": "assumed"}},
   "nodes": {"inlet": {"boundary": "T_in"}, "water": {"capacity": "C"}},
   "flows": {"stream": {"between": ["inlet", "water"], "heat": "45 * (Ta - Tb)", "one_way": true}},
   "loads": {"heater": {"into": "water", "power": "P * duty"}}
@@ -30,19 +30,19 @@ fn delayed() -> Output {
     let mut stream = StreamKey::new(31, "delayed water", "noise").stream(0);
     let duty = |half: usize| if (472..2088).contains(&half) { 0.4 } else { 0.2 };
     // By hand, in steps of half a second of a time constant of 90 s.
-    let mut water = vec![302.76_f64];
+    let mut water = vec![29.25_f64];
     for half in 0..HALVES {
         let now = water[half];
-        water.push(now + 0.5 * (2196.0 * duty(half) - 45.0 * (now - 293.0)) / 4000.0);
+        water.push(now + 0.5 * (2196.0 * duty(half) - 45.05 * (now - 19.5)) / 4000.0);
     }
-    let mut table = String::from("time [s],duty [1],T_out [K]\n");
+    let mut table = String::from("time [s],duty [1],T_out [degC]\n");
     for half in (0..=HALVES).step_by(16) {
         let second = 0.5 * half as f64;
         let read = water[half.saturating_sub(DELAY)] + NOISE_K * stream.normal() + MODEL_ERROR_K * sin(second / 70.0);
-        table.push_str(&format!("{second},{},{read:.4}\n", duty(half)));
+        table.push_str(&format!("{second},{},{read:.3}\n", duty(half)));
     }
     let pass = r#"{"format": "bmv-pass/1", "title": "Two steps", "parent": null, "model": "model.json", "seed": 3,
-        "measurements": {"steps": {"transient": {"file": "data.csv", "hold": ["duty"], "initial": {"temperatures": {"water": 302.76}},
+        "measurements": {"steps": {"transient": {"file": "data.csv", "hold": ["duty"], "initial": {"temperatures": {"water": {"value": 29.26, "unit": "degC"}}},
             "sensors": {"T_out": {"measures": "water", "sigma": {"prior": {"lognormal": {"median": 0.1, "factor": 4}}, "unit": "K"}}},
             "held_out": {"intervals": [{"from": {"value": 1050, "unit": "s"}}]}}}},
         "jobs": {"missing": {"diagnose": {}}}}"#;

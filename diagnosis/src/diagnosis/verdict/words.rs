@@ -226,7 +226,8 @@ fn more_probable(findings: &Findings<'_>) -> Option<String> {
         .zip(&findings.state.refits)
         .map(|(&weight, refit)| if fails(refit) { 0.0 } else { weight })
         .collect();
-    let best = off_the_steps(&weights, is_of_steps).filter(|_| !findings.groups.is_empty())?;
+    let is_probable = |&place: &usize| weights[place] >= LITTLE_IN_STEPS && !findings.groups.is_empty();
+    let best = off_the_steps(&weights, is_of_steps).filter(is_probable)?;
     let refit = &findings.state.refits[best];
     let ids: Vec<&str> = refit.effects.iter().map(|&effect| findings.id(effect)).collect();
     let error = |rmse: Option<f64>, rows: &str| rmse.map(|rmse| format!("{} K on the {rows} rows", kelvins(rmse)));
