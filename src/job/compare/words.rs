@@ -4,9 +4,9 @@ use super::deviation::{KELVIN, deviation};
 use super::output::{Deviation, SensorSummary, Trend};
 use super::readings::{Readings, Row};
 use super::stretch;
-use crate::math::sort::sort_by;
 use crate::document::suggest::listed;
 use crate::document::time;
+use crate::math::sort::sort_by;
 use crate::measurement::{Measurement, Rows};
 
 /// Most trends named for a sensor.

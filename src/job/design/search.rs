@@ -7,9 +7,9 @@ use super::forward_model::Place;
 use super::output::{Estimator, Phase};
 use super::samples::REPLICATES;
 use super::summary::FAILURE_LIMIT;
-use crate::math::sort::sort_by;
 use crate::inference::information::search::{self, next};
 use crate::job::Parts;
+use crate::math::sort::sort_by;
 
 /// Phases that are looked at side by side.
 const AT_ONCE: u64 = 4;

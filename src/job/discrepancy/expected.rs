@@ -1,10 +1,10 @@
 //! A sensor's discrepancy at new inputs, from its stored result.
 
 use super::output::{Output, SensorDiscrepancy};
-use crate::math::sort::sort_by;
 use crate::inference::gaussian_process::process::Process;
 use crate::inference::gaussian_process::tested_range::{Outside, TestedRange};
 use crate::inference::gaussian_process::{GaussianProcessError, Training};
+use crate::math::sort::sort_by;
 
 /// A sensor's discrepancy, ready to be asked.
 #[derive(Clone, Debug)]

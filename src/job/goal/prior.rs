@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::Goal;
 use super::cell::{Failed, probability};
 use super::output::{Driving, Leading, Met};
-use crate::math::sort::sort_by;
 use crate::job::Parts;
 use crate::job::propagate::Probability;
+use crate::math::sort::sort_by;
 use crate::statistics::Moments;
 use crate::statistics::given_data::main_effect;
 

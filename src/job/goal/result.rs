@@ -6,9 +6,9 @@ use super::output::{Knowledge, Level, Output, Target, Truths};
 use super::run::DESIGN_RATIOS;
 use super::run::RATIOS;
 use super::run::State;
-use crate::math::sort::sort_by;
 use crate::job::propagate::Probability;
 use crate::job::propagate::reached::crossing;
+use crate::math::sort::sort_by;
 use crate::statistics::Interval;
 
 /// Confidence of intervals.

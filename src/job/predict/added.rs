@@ -6,10 +6,10 @@ use serde::Deserialize as _;
 use serde_json::{Value, json};
 
 use super::run::{Added, Term};
-use crate::math::sort::sort_by_key;
 use crate::job::JobError;
 use crate::job::discrepancy::{self, Case, Rebuilt};
 use crate::job::propagate::{Adjustment, CaseInputs, Propagate};
+use crate::math::sort::sort_by_key;
 use crate::study::posterior_prior::PosteriorPrior;
 use crate::study::resolved::PosteriorReference;
 

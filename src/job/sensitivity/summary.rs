@@ -6,8 +6,8 @@ use super::output::{
     Case, DerivativeBound, Index, Local, Method, OfQuantity, Output, PairEffect, Parameter, Precision, Scatter, Sobol,
 };
 use super::sobol::SAMPLE;
-use crate::math::sort::sort_by;
 use crate::job::JobError;
+use crate::math::sort::sort_by;
 use crate::statistics::elementary_effects::ElementaryEffect;
 use crate::statistics::sobol_indices::{Estimate, SobolIndices, SobolSums, pairs, places};
 

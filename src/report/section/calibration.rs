@@ -3,10 +3,10 @@
 mod brief;
 mod figures;
 
-use crate::math::sort::sort_by;
 use crate::document::{counted, p_value};
 use crate::job::calibrate::{Evidence, Kind, Output, ParameterSummary, PhaseScore};
 use crate::job::compare;
+use crate::math::sort::sort_by;
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, stated, typeset, with_error};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};
 use crate::report::view::PassReport;

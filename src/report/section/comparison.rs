@@ -6,10 +6,10 @@ mod figures;
 
 use std::collections::BTreeSet;
 
-use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::document::suggest::listed;
 use crate::job::compare::{Deviation, HeatBalance, KELVIN, Kind, Output, SensorSummary, Trend};
+use crate::math::sort::sort_by;
 use crate::measurement::Rows;
 use crate::report::number::{
     NONE, Shown, as_given, fixed, percent, signed, significant, stated, typeset, with_error, with_unit,

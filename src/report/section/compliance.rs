@@ -3,9 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::math::sort::sort_by_key;
 use crate::job::propagate::{Case, Distributed, Met};
 use crate::job::{predict, propagate};
+use crate::math::sort::sort_by_key;
 use crate::math::special::normal_quantile;
 use crate::report::number::{self, NONE, Shown, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text};

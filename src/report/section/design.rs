@@ -3,9 +3,9 @@
 mod brief;
 mod spread;
 
-use crate::math::sort::sort_by;
 use crate::job::design::{Candidate, Kind, Output, Pick};
 use crate::math::functions::exp;
+use crate::math::sort::sort_by;
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant, typeset, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Axis, Bar, Chart, HeatMap, Layer, Mark, Stroke, bar_chart, heat_map, palette};

@@ -6,7 +6,6 @@ mod figures;
 mod heat;
 mod words;
 
-use crate::math::sort::sort_by;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{Amount, DiscriminatingExperiment, EffectResult, Output, RmseChange};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
@@ -14,6 +13,7 @@ use crate::diagnosis::verdict::experiment_words::repeated;
 use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::document::{counted, p_stated, p_value};
 use crate::job::diagnose::Kind;
+use crate::math::sort::sort_by;
 use crate::measurement::Sensor;
 use crate::report::number::{NONE, Shown, as_given, fixed, percent, significant, stated, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Tone};

@@ -2,8 +2,8 @@
 
 mod brief;
 
-use crate::math::sort::sort_by;
 use crate::job::goal::{Kind, Knowledge, Next, Output};
+use crate::math::sort::sort_by;
 use crate::report::number::{self, NONE, Shown, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Statement, Status, Table, Text};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};

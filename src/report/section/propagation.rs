@@ -3,9 +3,9 @@
 pub(super) mod along;
 pub mod brief;
 
-use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::job::propagate::{Case, Distributed, Joint, Kind, Met, Output, Probability};
+use crate::math::sort::sort_by;
 use crate::report::number::{self, Shown, fixed, percent, significant, with_error};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Mark, Stroke, palette};

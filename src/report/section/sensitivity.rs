@@ -2,9 +2,9 @@
 
 mod brief;
 
-use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::job::sensitivity::{Case, Kind, Method, OfQuantity, Output, Parameter, Sobol};
+use crate::math::sort::sort_by;
 use crate::report::number::{self, NONE, Shown, fixed, percent, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Section, Status, Table, Text, Tone};
 use crate::report::plot::{Axis, Bar, Chart, Layer, Mark, bar_chart, palette};

@@ -1,9 +1,9 @@
 //! Figures of a calibration: correlations, predictions in time, traces and ranks.
 
-use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::document::time::unit_of_time;
 use crate::job::calibrate::{Output, ParameterSummary, SensorPredictive};
+use crate::math::sort::sort_by;
 use crate::report::number::{Shown, stated};
 use crate::report::page::{Block, Figure, Text};
 use crate::report::plot::{Axis, Chart, HeatMap, Layer, Mark, PairAxis, Shade, Stroke, heat_map, pairs, palette};

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::document::time::unit_of_time;
 use crate::job::compare::{Kind, Output, Row, SensorSummary, Table};
+use crate::math::sort::sort_by;
 use crate::report::number::{NONE, signed};
 use crate::report::page::{Block, Figure, Text};
 use crate::report::plot::{

@@ -1,10 +1,10 @@
 //! Heat in a diagnosis: what the selected effects carry, what is missing where no effect explains it.
 
 use super::figures;
-use crate::math::sort::sort_by;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{EffectHeat, EffectResult, Heat, Output};
 use crate::document::p_value;
+use crate::math::sort::sort_by;
 use crate::report::number::{Shown, fixed, significant, with_error, with_unit};
 use crate::report::page::{Block, Cell, Column, Table, Text};
 use crate::report::view::PassReport;

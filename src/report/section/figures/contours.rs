@@ -1,8 +1,8 @@
 //! A quantity of a prediction as contours over two axes, with the phases of the test and what the fit leaves there.
 
-use crate::math::sort::sort_by;
 use crate::job::propagate::{Case, Output};
 use crate::job::{predict, propagate};
+use crate::math::sort::sort_by;
 use crate::measurement::Measurement;
 use crate::report::number::Shown;
 use crate::report::page::Figure;

@@ -1,10 +1,10 @@
 //! What sizes by rule buy and cost, judged by what is known after the calibration.
 
-use crate::math::sort::sort_by;
 use crate::job::conventional::{self, Basis, Size};
 use crate::job::correlate::Method;
 use crate::job::predict;
 use crate::job::propagate::{self, Probability};
+use crate::math::sort::sort_by;
 use crate::math::special::{normal_cdf, normal_quantile};
 use crate::report::number::{self, NONE, Shown, significant};
 use crate::report::page::{Block, Cell, Column, Figure, Status, Table, Text, Tone};

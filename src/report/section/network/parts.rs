@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::math::sort::sort_by;
 use crate::document::counted;
 use crate::effect::{GroupPlace, Site};
+use crate::math::sort::sort_by;
 use crate::report::number::{NONE, as_given, significant, with_unit};
 use crate::report::page::{Block, Cell, Column, Table};
 use crate::report::plot::{Diagram, NodeShape};

@@ -1,7 +1,7 @@
 //! Quantities over the sweep of a design variable.
 
-use crate::math::sort::sort_by;
 use crate::job::propagate::{Distributed, Output};
+use crate::math::sort::sort_by;
 use crate::report::number::Shown;
 use crate::report::page::{Block, Figure};
 use crate::report::plot::{Along, Axis, Chart, Layer, Limit, Stroke, palette};

@@ -1,7 +1,7 @@
 //! What requirements and sizes say on the first screen, each claim in the light of the model's test.
 
-use crate::math::sort::sort_by;
 use crate::job::{conventional, predict, propagate};
+use crate::math::sort::sort_by;
 use crate::report::number::{self, Shown};
 use crate::report::page::{Statement, Text};
 use crate::report::section::validation::{Rests, claim, objection};

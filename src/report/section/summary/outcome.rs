@@ -1,6 +1,5 @@
 //! What came out of the pass in a sentence or two, and the next step as a command.
 
-use crate::math::sort::sort_by;
 use crate::diagnosis::Verdict;
 use crate::diagnosis::output::{DiscriminatingStep, EffectResult, Output as Diagnosis};
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
@@ -10,6 +9,7 @@ use crate::document::p_stated;
 use crate::document::visible::shell_word;
 use crate::expression::Unit;
 use crate::job::{calibrate, compare, diagnose, goal, predict, propagate, test_plan};
+use crate::math::sort::sort_by;
 use crate::report::ladder;
 use crate::report::number::{self, NONE, Shown, signed, significant, with_error, with_unit};
 use crate::report::page::{Statement, Status, Text};
