@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::array::{Array, Arrays};
 use super::key_number::KeyNumber;
 use super::ready::{Readiness, Shared};
-use super::{JobError, KINDS, stored};
+use super::{JobError, KINDS};
 use crate::document::{Diagnostics, Node, Place, Schemas, Written};
 use crate::study::Pass;
 use crate::study::job::{self as study_job, Asked, Entry, Forms, JobSpec, Kinds, NamedJob, Spec};
@@ -63,7 +63,7 @@ pub trait JobKind: Sync + 'static {
     /// # Errors
     /// A result that cannot be written as JSON.
     fn document(output: &Self::Output, _with_rows: bool) -> Result<Value, JobError> {
-        stored::json(output)
+        serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))
     }
 
     /// The single readings of the result, where it has some: `rows` of its document.

@@ -1,8 +1,7 @@
 //! How blocks and results are stored.
 //!
 //! A block is CBOR (RFC 8949), then as many little-endian doubles as it has long lists of. CBOR has NaN and the
-//! infinities, which JSON has not: what a stage found is what the next one reads, to the bit. Types are written into a tree and read
-//! from one, so that reading and writing bytes is compiled once, not for every type.
+//! infinities, which JSON has not: what a stage found is what the next one reads, to the bit.
 //!
 //! A result is JSON, for everyone. There a number that is not finite has no text: `null` stands for it where the type says
 //! that it need not be available (`Option`), anything else is an error that names the place. Long arrays lie beside it.
@@ -89,31 +88,14 @@ pub struct ResultDocument {
 /// # Errors
 /// A result that would not read back as what it is: a number that must be finite and is not, with its place.
 pub fn result<T: Serialize + DeserializeOwned>(output: &T) -> Result<serde_json::Value, JobError> {
-    let tree = tree(output)?;
-    let json = json_of_tree(&tree)?;
+    let json = serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))?;
     match T::deserialize(&json) {
         Ok(_) => Ok(json),
-        Err(error) => Err(JobError::Failed(match not_finite::<T>(&tree) {
+        Err(error) => Err(JobError::Failed(match not_finite(output) {
             Some(place) => format!("the result has no finite number at {place}"),
             None => format!("the result would not read back: {error}"),
         })),
     }
-}
-
-/// A value as JSON; a number that is not finite is `null`.
-///
-/// # Errors
-/// A value that cannot be written, such as a map whose keys are lists.
-pub fn json<T: Serialize>(value: &T) -> Result<serde_json::Value, JobError> {
-    json_of_tree(&tree(value)?)
-}
-
-fn json_of_tree(tree: &Tree) -> Result<serde_json::Value, JobError> {
-    serde_json::to_value(tree).map_err(|error| JobError::Failed(error.to_string()))
-}
-
-fn tree<T: Serialize>(value: &T) -> Result<Tree, JobError> {
-    Tree::serialized(value).map_err(|error| JobError::Failed(format!("this cannot be written: {error}")))
 }
 
 /// An error of a stored block.
@@ -123,7 +105,7 @@ pub fn unreadable(stage: &str, reason: impl ToString) -> JobError {
 
 fn encoded<T: Serialize>(value: &T) -> Result<Vec<u8>, JobError> {
     let mut bytes = Vec::new();
-    ciborium::into_writer(&tree(value)?, &mut bytes)
+    ciborium::into_writer(value, &mut bytes)
         .map_err(|error| JobError::Failed(format!("a block cannot be written: {error}")))?;
     Ok(bytes)
 }
@@ -131,17 +113,18 @@ fn encoded<T: Serialize>(value: &T) -> Result<Vec<u8>, JobError> {
 /// A value and the bytes behind it.
 fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, &[u8]), String> {
     let mut rest = bytes;
-    let tree: Tree = ciborium::from_reader(&mut rest).map_err(|error| match error {
+    let value = ciborium::from_reader(&mut rest).map_err(|error| match error {
         ciborium::de::Error::Io(_) => "it is cut off".to_owned(),
         other => other.to_string(),
     })?;
-    Ok((tree.deserialized().map_err(|error| error.to_string())?, rest))
+    Ok((value, rest))
 }
 
 /// The first number that is not finite and that its type needs: its place, with the names on the way, and its value.
-fn not_finite<T: DeserializeOwned>(tree: &Tree) -> Option<String> {
+fn not_finite<T: Serialize + DeserializeOwned>(output: &T) -> Option<String> {
+    let tree = Tree::serialized(output).ok()?;
     let mut not_finite_places = Vec::new();
-    search(tree, &mut Vec::new(), &mut not_finite_places);
+    search(&tree, &mut Vec::new(), &mut not_finite_places);
     // With every other one finite, only the one that is missing can be what does not read back.
     let mut finite = tree.clone();
     for (place, _) in &not_finite_places {
@@ -154,7 +137,7 @@ fn not_finite<T: DeserializeOwned>(tree: &Tree) -> Option<String> {
         serde_json::to_value(&alone).is_ok_and(|json| T::deserialize(&json).is_err())
     };
     let (place, value) = not_finite_places.iter().find(|(place, _)| needed(place))?;
-    Some(format!("{}: {value}", described(tree, place)))
+    Some(format!("{}: {value}", described(&tree, place)))
 }
 
 /// Places of all numbers that are not finite: positions among the children from the root on.

@@ -142,7 +142,10 @@ pub fn falls(errors: [Option<f64>; 2]) -> bool {
 /// Whether an effect explains at least half of the squares of the errors, on the fitted and on the unseen rows: errors without it and with
 /// it on each.
 pub fn explains_on_both(fitted: [Option<f64>; 2], unseen: [Option<f64>; 2]) -> bool {
-    let explains = |errors: [Option<f64>; 2]| matches!(errors, [Some(before), Some(after)] if after * after <= (1.0 - EXPLAINS_ON_BOTH) * before * before);
+    let leaves = 1.0 - EXPLAINS_ON_BOTH;
+    let explains = |[before, after]: [Option<f64>; 2]| {
+        before.zip(after).is_some_and(|(before, after)| after * after <= leaves * before * before)
+    };
     explains(fitted) && explains(unseen)
 }
 
@@ -220,12 +223,12 @@ pub(crate) fn explains_half(state: &State, at: usize, place: usize) -> bool {
     explains_on_both([before.rmse_train_k, after.rmse_train_k], unseen(before, after))
 }
 
-/// The most probable of some sets that each add an effect to another. One that fails on the unseen rows comes last where another explains
-/// half of the errors on both.
-fn first_by_weight(state: &State, logs: &[f64], at: usize, places: &[usize]) -> Option<usize> {
+/// The set of most log weight among some that each add an effect to another. One that fails on the unseen rows comes last where another
+/// explains half of the errors on both.
+fn first_by_weight(state: &State, weight: impl Fn(usize) -> f64, at: usize, places: &[usize]) -> Option<usize> {
     let fails = |place: usize| rises(unseen(&state.refits[at], &state.refits[place]));
     let has_half = places.iter().any(|&place| explains_half(state, at, place));
-    let rank = |place: usize| (!(has_half && fails(place)), logs[place]);
+    let rank = |place: usize| (!(has_half && fails(place)), weight(place));
     places.iter().copied().reduce(|a, b| if rank(b) > rank(a) { b } else { a })
 }
 
@@ -420,8 +423,7 @@ impl Diagnosis {
         let mut sets = vec![0];
         while let Some(&at) = sets.last().filter(|&&at| at != end) {
             let all: Vec<usize> = self.on_the_way(state, at, end).filter(|&place| logs[place].is_finite()).collect();
-            let weights: Vec<f64> = (0..logs.len()).map(|place| weight(at, place)).collect();
-            let most = |places: &[usize]| first_by_weight(state, &weights, at, places);
+            let most = |places: &[usize]| first_by_weight(state, |place| weight(at, place), at, places);
             let Some(next) = most(&all) else { return story };
             let before_next = all.iter().copied().filter(|&place| goes_before(state, logs, at, place, next));
             let plausible = most(&before_next.collect::<Vec<_>>());
@@ -500,9 +502,7 @@ impl Diagnosis {
             let others = next.iter().map(|one| one.1).filter(|&place| logs[place] > logs[plausible]);
             others.for_each(|place| logs_of_step[place] = logs[plausible] - IMPLAUSIBLE);
         }
-        for &place in failing.iter().filter(|&&place| Some(place) != next_set) {
-            logs_of_step[place] = f64::NEG_INFINITY;
-        }
+        failing.iter().for_each(|&place| logs_of_step[place] = f64::NEG_INFINITY);
         let largest_law = largest_law.map_or(f64::NEG_INFINITY, |place| logs[place]);
         let logs = logs_of_step;
         let all: Vec<f64> = next.iter().map(|one| logs[one.1]).chain([logs[at]]).collect();
@@ -676,7 +676,7 @@ impl Diagnosis {
             && state.refits[at].effects.len() < state.refits[end].effects.len()
         {
             let all: Vec<usize> = self.on_the_way(state, at, end).collect();
-            sets.push(first_by_weight(state, logs, at, &all).unwrap_or(end));
+            sets.push(first_by_weight(state, |place| logs[place], at, &all).unwrap_or(end));
         }
         let step = |pair: &[usize]| {
             let own = self.step_to(state, logs, pair[0], AskedOfUnseen::FallUnlessClear, Some(pair[1]));

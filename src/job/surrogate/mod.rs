@@ -22,7 +22,6 @@ use crate::job::calibrate::Inputs;
 use crate::job::key_number::KeyNumber;
 use crate::job::kind::JobKind;
 use crate::job::ready::{Readiness, Shared};
-use crate::job::stored;
 use crate::study::job::{Asked, Entry, Forms, JobSpec, NamedJob};
 use crate::study::resolve::scope::Scope;
 use crate::study::resolve::settings::Offered;
@@ -83,7 +82,7 @@ impl JobKind for Kind {
     }
 
     fn document(output: &Output, with_rows: bool) -> Result<Value, JobError> {
-        let mut document = stored::json(output)?;
+        let mut document = serde_json::to_value(output).map_err(|error| JobError::Failed(error.to_string()))?;
         if let (false, Some(fields)) = (with_rows, document.as_object_mut()) {
             fields.remove("trained");
         }

@@ -28,19 +28,23 @@ fn unused_heats(model: &Model) -> Vec<bool> {
     let mut graph = model.graph.clone();
     let mut unused: Vec<bool> = model.inputs.iter().map(|input| model.external.is_none() && is_heat(input)).collect();
     for element in &model.elements {
-        for input in inputs_of_heat(element, &mut graph) {
+        for input in inputs(&symbols_of_heat(element, &mut graph)) {
             unused[input] = false;
         }
     }
     unused
 }
 
-/// The inputs on which an element's heat depends.
-fn inputs_of_heat(element: &Element, graph: &mut Graph) -> Vec<usize> {
+/// What an element's heat depends on.
+fn symbols_of_heat(element: &Element, graph: &mut Graph) -> Vec<Symbol> {
     let heats = element.contribution(graph, &mut Vec::new(), false).heat;
-    let symbols = heats.into_iter().flat_map(|(_, heat)| graph.symbols(heat));
-    let input = |symbol| if let Symbol::Input(input) = symbol { Some(input as usize) } else { None };
-    symbols.filter_map(input).collect()
+    heats.into_iter().flat_map(|(_, heat)| graph.symbols(heat)).collect()
+}
+
+/// The inputs among symbols.
+fn inputs(symbols: &[Symbol]) -> Vec<usize> {
+    let input = |symbol: &Symbol| if let Symbol::Input(input) = symbol { Some(*input as usize) } else { None };
+    symbols.iter().filter_map(input).collect()
 }
 
 /// Of each candidate whether it lets the power of loads or heaters follow their temperature, though all of them are made of logged powers
@@ -49,9 +53,9 @@ pub(crate) fn are_laws_of_logged_power(problem: &Problem) -> Vec<bool> {
     let model = &problem.model;
     let mut graph = model.graph.clone();
     let mut is_logged = |element: &Element| {
-        let heats = element.contribution(&mut graph, &mut Vec::new(), false).heat;
-        let follows_node = heats.iter().any(|&(_, heat)| graph.dependence(heat).intersects(Dependence::NODE));
-        let inputs = inputs_of_heat(element, &mut graph);
+        let symbols = symbols_of_heat(element, &mut graph);
+        let follows_node = symbols.iter().any(|symbol| matches!(symbol, Symbol::Node(_)));
+        let inputs = inputs(&symbols);
         let are_powers = inputs.iter().all(|&input| has_dimension(&model.inputs[input], "W"));
         element.physics().heated().is_some() && !follows_node && !inputs.is_empty() && are_powers
     };

@@ -161,13 +161,13 @@ impl Diagnosis {
             }
             findings.lumped_nodes = findings.lumped_nodes();
             let chosen = &state.refits[findings.selected];
-            let leaves_more = !chosen.effects.is_empty() && self.leaves_more(&findings);
-            let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings, leaves_more);
+            let is_far = !chosen.effects.is_empty() && self.is_far_from_noise(&findings);
+            let explains = !chosen.effects.is_empty() && !self.leaves_too_much(&findings, is_far);
             if explains {
                 findings.add_nearly_as_good();
                 findings.add_storage_alternatives();
-                // What leaves more than the noise is not settled.
-                verdict = if leaves_more { Verdict::Ambiguous } else { findings.judge() };
+                // What is far from the noise is not settled.
+                verdict = if is_far { Verdict::Ambiguous } else { findings.judge() };
             } else {
                 // The test was that of a set which is not adopted.
                 held_out_test = None;
@@ -348,7 +348,7 @@ impl Diagnosis {
     }
 
     /// Whether the selected set leaves the model far from the noise while tests go on finding something.
-    fn leaves_more(&self, findings: &Findings<'_>) -> bool {
+    fn is_far_from_noise(&self, findings: &Findings<'_>) -> bool {
         let chosen = &findings.state.refits[findings.selected];
         let found = findings.remaining_now().is_some_and(|p| p <= self.settings().false_alarm);
         let freedom = chosen.residuals.len() as f64 - free(chosen) as f64;
@@ -361,9 +361,9 @@ impl Diagnosis {
 
     /// Whether that is too much for an explanation. Where the model is a little wrong everywhere, a set that explains half of the errors on
     /// fitted and on unseen rows is one, whatever remains.
-    fn leaves_too_much(&self, findings: &Findings<'_>, leaves_more: bool) -> bool {
-        let explains_half = findings.state.is_misspecified() && explains_half(findings.state, 0, findings.selected);
-        leaves_more && !explains_half || findings.weights.unexplained > RATHER_ELSE
+    fn leaves_too_much(&self, findings: &Findings<'_>, is_far: bool) -> bool {
+        let is_explanation = findings.state.is_misspecified() && explains_half(findings.state, 0, findings.selected);
+        is_far && !is_explanation || findings.weights.unexplained > RATHER_ELSE
     }
 }
 

@@ -223,10 +223,10 @@ pub enum Likeness {
     Phases,
     /// Errors of lumped nodes, of this size in K.
     LumpedNodes(f64),
-    /// Nothing in particular.
-    None,
     /// What the fitted rows want more and the held-out rows contradict.
     Failing,
+    /// Nothing in particular.
+    None,
 }
 
 /// That errors of the model itself, or what else reads the same, may be what an effect explains.

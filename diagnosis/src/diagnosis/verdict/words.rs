@@ -42,7 +42,7 @@ pub fn clearness(p: f64, false_alarm: f64) -> String {
     format!("that is a misfit ({}, the probability of one as clear as this where nothing is missing)", p_stated(p))
 }
 
-/// What the fitted rows want most by itself and no step adds, and the errors on the held-out rows without it and with it.
+/// The most probable effect of the first step, if no step adds it, and the errors on the held-out rows without it and with it.
 fn most_wanted<'a>(findings: &'a Findings<'_>) -> Option<(&'a Addition, [Option<f64>; 2])> {
     let story = findings.story.as_ref()?;
     let step = story.steps.first().filter(|step| findings.state.refits[step.before].effects.is_empty())?;
@@ -53,7 +53,7 @@ fn most_wanted<'a>(findings: &'a Findings<'_>) -> Option<(&'a Addition, [Option<
     (!is_added).then(|| (most, errors()))
 }
 
-/// That this fails on the held-out rows.
+/// That the effect which the fitted rows want most fails on the held-out ones.
 fn fails_on_held_out(findings: &Findings<'_>) -> Option<String> {
     let (most, errors) = most_wanted(findings).filter(|(_, errors)| rises(*errors))?;
     Some(format!(
@@ -63,7 +63,7 @@ fn fails_on_held_out(findings: &Findings<'_>) -> Option<String> {
     ))
 }
 
-/// That it gains nothing there.
+/// That the effect which the fitted rows want most gains nothing on the held-out ones.
 fn gains_nothing_on_held_out(findings: &Findings<'_>) -> Option<String> {
     let (most, errors) = most_wanted(findings).filter(|(_, errors)| !rises(*errors) && !falls(*errors))?;
     let from_to = fall(errors)?;
