@@ -32,7 +32,7 @@ cluster:
 cluster-demo:
     cargo build --release && tests/cluster/demo.sh target/release/bmv
 
-# the diagnosis on cases of known truth: hours; prints the tables of docs/verification.md
+# the diagnosis on cases of known truth: hours; prints the tables of docs/laboratory.md
 laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":
     cargo run --release --package bmv-benches --example laboratory -- {{nulls}} {{cases}} {{finer}} {{dated}} {{seed}}
 

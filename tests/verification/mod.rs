@@ -2,6 +2,7 @@
 
 pub mod build;
 mod comparison;
+mod controlled_heater;
 mod dated_diagnosis;
 mod derivatives;
 mod design;

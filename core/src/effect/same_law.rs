@@ -73,6 +73,13 @@ impl Effect {
         })
     }
 
+    /// Its factor over what it may depend on: its parameters and inputs by their positions in its file, and temperatures, which are nodes.
+    /// `None` where it is no factor.
+    pub fn factor(&self, graph: &mut Graph) -> Option<ExprId> {
+        let order: Vec<u32> = (0u32..).take(self.form.inputs.len()).collect();
+        self.law(&self.form.adds.value.factor.as_ref()?.value, graph, &order)
+    }
+
     /// An expression of the effect where its inputs stand for these of a model; `None` where it does not parse.
     fn law(&self, text: &str, graph: &mut Graph, inputs: &[u32]) -> Option<ExprId> {
         let mut names = Names::default();

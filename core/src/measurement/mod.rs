@@ -328,6 +328,16 @@ impl Measurement {
         }
     }
 
+    /// Whether a row takes part in fits.
+    pub fn is_fitted(&self, row: usize) -> bool {
+        !self.held_out(row) && !self.ignored(row)
+    }
+
+    /// The rows that take part in fits, in order.
+    pub fn fitted_rows(&self) -> impl DoubleEndedIterator<Item = usize> + Clone + '_ {
+        (0..self.len()).filter(|&row| self.is_fitted(row))
+    }
+
     /// Gives a node that was added a start temperature: that of its host.
     pub fn begin_like(&mut self, node: usize, host: usize) {
         if let Rows::Transient { initial: Initial::Temperatures { values, shared, balanced }, .. } = &mut self.rows

@@ -575,6 +575,11 @@ impl Diagnosis {
         self.problem.is_unknown_function(effect)
     }
 
+    /// Whether an effect is an unknown function in which several inputs meet, which is asked where no law of plausible size is found.
+    pub(crate) fn is_last_resort(&self, effect: usize) -> bool {
+        self.is_unknown_function(effect) && self.problem().candidates[effect].bound.len() > 1
+    }
+
     /// Estimates the noise anew beside the best fitted effect or pair; before, it was estimated beside a linearised one. Where it
     /// changes, everything is screened and fitted again. `None` where it stays.
     pub(crate) fn estimate_noise_again(&self, state: &State) -> Result<Option<State>, FitError> {

@@ -68,7 +68,7 @@ impl Problem {
     pub fn fitted_readings(&self) -> Vec<FittedReading> {
         let mut list = Vec::new();
         for (measurement, own) in self.measurements.iter().enumerate() {
-            for row in (0..own.len()).filter(|&row| !own.ignored(row) && !own.held_out(row)) {
+            for row in own.fitted_rows() {
                 let sensors = (0..own.sensors.len()).filter(|&sensor| own.reading(row, sensor).is_some());
                 list.extend(sensors.map(|sensor| FittedReading { measurement, row, sensor }));
             }

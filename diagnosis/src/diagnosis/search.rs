@@ -8,7 +8,7 @@ use crate::diagnosis::fits::refit::Amplitude;
 use crate::diagnosis::misspecified::is_unstated;
 use crate::diagnosis::odds::posterior_odds::{best, log_posterior_weights, posterior_odds};
 use crate::diagnosis::screening::screen::{Lead, Screening};
-use crate::diagnosis::story::falls;
+use crate::diagnosis::story::rules::falls;
 use crate::diagnosis::{FitError, Problem};
 use crate::math::sort::sort_by;
 

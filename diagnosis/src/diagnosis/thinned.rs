@@ -132,11 +132,9 @@ fn one_of_several(last: usize, left: usize) -> Vec<usize> {
 
 /// The last row with a reading to fit.
 fn last_fitted(measurement: &Measurement) -> Option<usize> {
-    let is_fitted = |row: &usize| {
-        let has_reading = || (0..measurement.sensors.len()).any(|sensor| measurement.reading(*row, sensor).is_some());
-        !measurement.ignored(*row) && !measurement.held_out(*row) && has_reading()
-    };
-    (0..measurement.len()).rev().find(is_fitted)
+    let has_reading =
+        |&row: &usize| (0..measurement.sensors.len()).any(|sensor| measurement.reading(row, sensor).is_some());
+    measurement.fitted_rows().rev().find(has_reading)
 }
 
 /// Leaves some rows of a transient, with the inputs' means about them.

@@ -295,8 +295,11 @@ fn fitted_phases(measurement: &Measurement) -> impl Iterator<Item = (usize, &[f6
         Rows::Steady(phases) => phases.as_slice(),
         Rows::Transient { .. } => &[],
     };
-    let is_used = |row: usize| !measurement.ignored(row) && !measurement.held_out(row);
-    phases.iter().enumerate().filter(move |(row, _)| is_used(*row)).map(|(row, phase)| (row, phase.inputs.as_slice()))
+    phases
+        .iter()
+        .enumerate()
+        .filter(move |(row, _)| measurement.is_fitted(*row))
+        .map(|(row, phase)| (row, phase.inputs.as_slice()))
 }
 
 /// The sensors asked for, each with enough readings.

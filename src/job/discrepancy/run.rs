@@ -249,8 +249,7 @@ impl Discrepancy {
             for &index in &self.spec.data {
                 let measurement = &self.measurements[index];
                 let Rows::Steady(phases) = &measurement.rows else { continue };
-                let used = (0..phases.len()).filter(|&row| !measurement.ignored(row) && !measurement.held_out(row));
-                values.extend(used.map(|row| phases[row].inputs[input]));
+                values.extend(measurement.fitted_rows().map(|row| phases[row].inputs[input]));
             }
             let lower = values.iter().copied().fold(f64::INFINITY, f64::min);
             let upper = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -180,5 +180,5 @@ fn sensors(
 
 /// Whether a reading takes part in the fit.
 pub(in crate::inference) fn is_used(measurement: &Measurement, row: usize, sensor: usize) -> bool {
-    !measurement.held_out(row) && !measurement.ignored(row) && measurement.reading(row, sensor).is_some()
+    measurement.is_fitted(row) && measurement.reading(row, sensor).is_some()
 }

@@ -136,7 +136,7 @@ fn rows(problem: &Problem, refit: &Refit, with: &Hypothesis, without: &Hypothesi
     for (index, measurement) in with.measurements.iter().enumerate() {
         let fixed = with_unknowns(measurement, &inputs, &nodes, &find);
         let prediction = predictor.predict(&mut workspace, &fixed, &full);
-        for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row) && !measurement.held_out(row)) {
+        for row in measurement.fitted_rows() {
             let temperatures = &prediction.temperatures[row * count..(row + 1) * count];
             if temperatures.iter().any(|value| !value.is_finite()) {
                 continue;

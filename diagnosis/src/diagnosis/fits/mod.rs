@@ -2,13 +2,14 @@
 //!
 //! `refit`: the fit of a set and its evidence (`evidence`: of linear models in closed form). `threshold_gaps`: where thresholds
 //! are tried. `other_noise`: what the evidence is with another noise. `exchange`: exchanged channels. `held_out`: what the held-out rows say.
-//! `level_starts`: where the fit of an effect begins that is about a level of a temperature.
+//! `held_level`: effects that hold a temperature at which the readings dwell. `level_starts`: where the fit of an effect begins that is about a level of a temperature.
 //! `effect_heat_flow`: the heat that fitted effects carry. `size`: which effects are larger than plausible. `out_of_range`:
 //! values at which an effect is not what it is called.
 
 pub(crate) mod effect_heat_flow;
 pub mod evidence;
 pub mod exchange;
+pub mod held_level;
 pub mod held_out;
 pub(crate) mod level_starts;
 pub mod other_noise;

@@ -6,8 +6,7 @@ use std::collections::BTreeMap;
 use crate::diagnosis::linearisation::threshold_levels::{is_crossed, temperatures_read};
 use crate::diagnosis::{Problem, Refit};
 use crate::effect::{EffectParameter, Site};
-use crate::expression::parse::parse;
-use crate::expression::{Graph, Names, Scope};
+use crate::expression::{Graph, Symbol};
 use crate::measurement::{Initial, Measurement, Rows};
 
 /// Log odds by which an effect stands behind others for each such value: what it does there, plainer laws do.
@@ -74,21 +73,19 @@ impl Problem {
         let (Site::Elements(elements), Some(file)) = (&candidate.site, self.catalogue.get(&candidate.effect)) else {
             return false;
         };
-        let Some(text) = &file.form.adds.value.factor else { return false };
-        let parameters = file.parameters(&self.model, &candidate.bound);
+        let mut graph = Graph::new();
+        let Some(law) = file.factor(&mut graph) else { return false };
+        let names: Vec<String> = file.form.parameters.names().map(|name| format!("{}.{name}", candidate.id)).collect();
         let factor = |temperature_k: f64| {
-            let mut graph = Graph::new();
-            let mut locals = Vec::new();
-            for parameter in &parameters {
-                let value = *fitted.get(&format!("{}.{}", candidate.id, parameter.name))?;
-                locals.push((parameter.written.as_str(), graph.number(value)));
-            }
-            let temperature = graph.number(temperature_k);
-            locals.extend(["T", "Ta", "Tb", "Tm"].map(|name| (name, temperature)));
-            // What depends on anything else is no law of temperature alone.
-            let names = Names::default();
-            let value = parse(&text.value, &mut graph, &Scope::with(&names, locals)).ok()?;
-            Some(graph.evaluate(value, &|_| f64::NAN))
+            let value = |symbol: Symbol| match symbol {
+                Symbol::Node(_) => temperature_k,
+                Symbol::Parameter(own) => {
+                    names.get(own as usize).and_then(|name| fitted.get(name)).copied().unwrap_or(f64::NAN)
+                }
+                // What depends on anything else is no law of temperature alone.
+                _ => f64::NAN,
+            };
+            graph.evaluate(law, &value)
         };
         let is_vanishing = |&element: &usize| {
             let nodes = self.model.elements.get(element)?.nodes();
@@ -96,7 +93,7 @@ impl Problem {
             let read = read.filter(|read| !read.is_empty())?;
             let mean = |end: usize| read.iter().map(|ends| ends[end]).sum::<f64>() / read.len() as f64;
             let [least, most] = [mean(0), mean(1)];
-            let [cold, middle, hot] = [factor(least)?, factor(0.5 * (least + most))?, factor(most)?];
+            let [cold, middle, hot] = [factor(least), factor(0.5 * (least + most)), factor(most)];
             let is_linear = cold != hot && (middle - 0.5 * (cold + hot)).abs() <= 1e-9 * (cold - hot).abs();
             Some(is_linear && cold.min(hot) < LEAST_LEFT)
         };
@@ -107,8 +104,7 @@ impl Problem {
 /// Time from the start of a run to its last fitted row, s; 0 without one. `None` of steady phases that are fitted, and of a run that starts
 /// in a steady or periodic state.
 fn transient_s(measurement: &Measurement) -> Option<f64> {
-    let is_fitted = |&row: &usize| !measurement.held_out(row) && !measurement.ignored(row);
-    let Some(last) = (0..measurement.len()).rev().find(is_fitted) else { return Some(0.0) };
+    let Some(last) = measurement.fitted_rows().next_back() else { return Some(0.0) };
     let Rows::Transient { inputs, initial: Initial::Temperatures { .. }, .. } = &measurement.rows else { return None };
     inputs.times_s.first().zip(inputs.times_s.get(last)).map(|(first, last)| last - first)
 }

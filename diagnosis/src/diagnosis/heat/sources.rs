@@ -389,8 +389,7 @@ impl Sources {
 pub(in crate::diagnosis) fn count(problem: &Problem) -> usize {
     let nodes = problem.model.nodes.iter().filter(|node| !matches!(node.kind, NodeKind::Boundary { .. })).count();
     let of_measurement = |measurement: &Measurement| {
-        let is_fitted = |row: &usize| !measurement.held_out(*row) && !measurement.ignored(*row);
-        let fitted = (0..measurement.len()).filter(is_fitted).count();
+        let fitted = measurement.fitted_rows().count();
         let times = match &measurement.rows {
             Rows::Steady(_) => fitted,
             Rows::Transient { .. } => STRETCHES.min(fitted),
@@ -419,8 +418,7 @@ pub(super) fn norms(columns: &[Vec<f64>]) -> Vec<f64> {
 /// Middle and half width of the stretches of a transient, overlapping by half; none in steady data.
 fn stretches(measurement: &Measurement) -> Vec<(f64, f64)> {
     let Rows::Transient { inputs, .. } = &measurement.rows else { return Vec::new() };
-    let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
-    let last = fitted.max().map_or(0.0, |row| inputs.times_s[row]);
+    let last = measurement.fitted_rows().max().map_or(0.0, |row| inputs.times_s[row]);
     let start = inputs.times_s.first().copied().unwrap_or(0.0);
     let width = (last - start) / (STRETCHES - 1) as f64;
     if !(width > 0.0) {

@@ -207,19 +207,45 @@ fn on_node(problem: &Problem, measurement: &Measurement, node: usize) -> Vec<usi
     (0..measurement.sensors.len()).filter(is_on).collect()
 }
 
+/// The fitted readings of some sensors of a measurement, SI.
+fn fitted_readings(measurement: &Measurement, sensors: Vec<usize>) -> impl Iterator<Item = f64> + '_ {
+    let of_row = move |row| sensors.clone().into_iter().filter_map(move |sensor| measurement.reading(row, sensor));
+    measurement.fitted_rows().flat_map(of_row)
+}
+
+/// The least and the greatest of some numbers. `None` without any.
+fn ends(mut numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let first = numbers.next()?;
+    Some(numbers.fold([first; 2], |[least, most], one| [least.min(one), most.max(one)]))
+}
+
 /// The least and the greatest fitted reading of a node's temperature, K. `None` without a sensor.
 pub(crate) fn temperatures_read(problem: &Problem, node: usize) -> Option<[f64; 2]> {
-    let mut span: Option<[f64; 2]> = None;
-    for measurement in &problem.measurements {
-        let sensors = on_node(problem, measurement, node);
-        for row in (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row)) {
-            for reading in sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)) {
-                let [least, most] = span.unwrap_or([reading; 2]);
-                span = Some([least.min(reading), most.max(reading)]);
-            }
+    let of = |measurement| fitted_readings(measurement, on_node(problem, measurement, node));
+    ends(problem.measurements.iter().flat_map(of))
+}
+
+/// The fitted readings in transients, K, of the nodes whose temperature a parameter is compared with, each with its measurement and row.
+/// `None` where it is compared with anything else.
+pub(crate) fn readings_in_transients(
+    problem: &Problem,
+    candidate: &Candidate,
+    effect: &Effect,
+    parameter: &EffectParameter,
+) -> Option<Vec<(usize, usize, f64)>> {
+    let Compared::Nodes(nodes) = compared(candidate, effect, parameter)? else { return None };
+    let mut found = Vec::new();
+    for (index, measurement) in problem.measurements.iter().enumerate() {
+        if matches!(measurement.rows, Rows::Steady(_)) {
+            continue;
+        }
+        let sensors: Vec<usize> = nodes.iter().flat_map(|&node| on_node(problem, measurement, node)).collect();
+        for row in measurement.fitted_rows() {
+            let readings = sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor));
+            found.extend(readings.map(|reading| (index, row, reading)));
         }
     }
-    span
+    Some(found)
 }
 
 /// Distinct levels in steady phases. `None` where there are transients: there the likelihood tells where a threshold is.
@@ -238,16 +264,14 @@ fn all_levels(
     let compared = compared(candidate, effect, parameter)?;
     let mut levels = Vec::new();
     for measurement in &problem.measurements {
-        let fitted = (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row));
         match &compared {
             Compared::Input(input) => {
-                levels.extend(fitted.filter_map(|row| measurement.level(&problem.model, row, *input)));
+                let rows = measurement.fitted_rows();
+                levels.extend(rows.filter_map(|row| measurement.level(&problem.model, row, *input)));
             }
             Compared::Nodes(nodes) => {
-                let sensors: Vec<usize> = nodes.iter().flat_map(|&node| on_node(problem, measurement, node)).collect();
-                for row in fitted {
-                    levels.extend(sensors.iter().filter_map(|&sensor| measurement.reading(row, sensor)));
-                }
+                let sensors = nodes.iter().flat_map(|&node| on_node(problem, measurement, node)).collect();
+                levels.extend(fitted_readings(measurement, sensors));
             }
         }
     }
@@ -263,15 +287,6 @@ fn all_steady(problem: &Problem) -> bool {
 
 /// The least and the greatest of the fitted temperatures, K. `None` where they are one, or none.
 fn span(problem: &Problem) -> Option<[f64; 2]> {
-    let mut span = [f64::INFINITY, f64::NEG_INFINITY];
-    for measurement in &problem.measurements {
-        let kelvin = |sensor: &usize| problem.model.quantities[measurement.sensors[*sensor].quantity].unit == "K";
-        for row in (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row)) {
-            let sensors = (0..measurement.sensors.len()).filter(kelvin);
-            for reading in sensors.filter_map(|sensor| measurement.reading(row, sensor)) {
-                span = [span[0].min(reading), span[1].max(reading)];
-            }
-        }
-    }
-    (span[0] < span[1]).then_some(span)
+    let of = |measurement| fitted_readings(measurement, measurement.sensors_in_kelvin(&problem.model));
+    ends(problem.measurements.iter().flat_map(of)).filter(|[least, most]| least < most)
 }

@@ -4,9 +4,8 @@
 
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::medium::has_dimension;
-use crate::effect::{Candidate, Effect, Site};
-use crate::expression::parse::parse;
-use crate::expression::{Dependence, Graph, Names, Scope, Symbol};
+use crate::effect::{Bound, Candidate, Effect, Site};
+use crate::expression::{Dependence, Graph, Symbol};
 use crate::thermal::element::Element;
 use crate::thermal::{Input, Model};
 
@@ -69,17 +68,37 @@ pub(crate) fn are_laws_of_logged_power(problem: &Problem) -> Vec<bool> {
     problem.candidates.iter().map(is_one).collect()
 }
 
+/// Of each candidate whether it follows the heat that the model is given: by an input on which a load, a heater or a flow depends, or as a
+/// change of such heat by more than a constant share. Where a control makes that heat, it follows whatever is missing.
+pub(crate) fn follow_given_heat(problem: &Problem) -> Vec<bool> {
+    let model = &problem.model;
+    let mut graph = model.graph.clone();
+    let given: Vec<Vec<usize>> = (model.elements.iter())
+        .map(|element| match element.physics().between() {
+            Some(_) => Vec::new(),
+            None => inputs(&symbols_of_heat(element, &mut graph)),
+        })
+        .collect();
+    let is_given =
+        |bound: &Bound| matches!(bound, Bound::Input(input) if given.iter().flatten().any(|own| own == input));
+    let changes_given = |own: &Candidate| {
+        let Site::Elements(elements) = &own.site else { return false };
+        let varies = |effect: &Effect| {
+            effect.form.adds.value.factor.is_some() && (!own.bound.is_empty() || follows_temperature(effect))
+        };
+        problem.catalogue.get(&own.effect).is_some_and(varies)
+            && elements.iter().all(|&element| given.get(element).is_some_and(|inputs| !inputs.is_empty()))
+    };
+    problem.candidates.iter().map(|own| own.bound.iter().any(is_given) || changes_given(own)).collect()
+}
+
 /// Whether an effect is a factor that depends on temperatures, and on no input.
 fn follows_temperature(effect: &Effect) -> bool {
-    let Some(text) = &effect.form.adds.value.factor else { return false };
     let mut graph = Graph::new();
-    let temperature = graph.symbol(Symbol::Node(0));
-    let number = graph.number(1.0);
-    let own = effect.form.parameters.iter().map(|entry| (entry.name.as_str(), number));
-    let locals = own.chain(["T", "Ta", "Tb", "Tm"].map(|name| (name, temperature))).collect();
-    let names = Names::default();
-    parse(&text.value, &mut graph, &Scope::with(&names, locals))
-        .is_ok_and(|value| graph.dependence(value).intersects(Dependence::NODE))
+    effect.factor(&mut graph).is_some_and(|factor| {
+        let dependence = graph.dependence(factor);
+        dependence.intersects(Dependence::NODE) && !dependence.intersects(Dependence::INPUT)
+    })
 }
 
 /// Whether an input is a power or an irradiance.

@@ -57,7 +57,7 @@ fn in_each_row(problem: &Problem, mut visit: impl FnMut(&dyn Fn(Symbol) -> f64) 
 }
 
 /// What inputs, nominal parameters and the time are in a row.
-fn value_in_row(model: &Model, measurement: &Measurement, row: usize) -> impl Fn(Symbol) -> f64 {
+pub(crate) fn value_in_row(model: &Model, measurement: &Measurement, row: usize) -> impl Fn(Symbol) -> f64 {
     move |symbol| match (symbol, &measurement.rows) {
         (Symbol::Input(own), Rows::Steady(phases)) => phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN),
         (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),

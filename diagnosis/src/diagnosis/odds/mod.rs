@@ -4,7 +4,7 @@
 //! `logged_heat`: logged heat that the model does not use.
 //! `narrow_prior`: priors of parameters that may be too narrow. `sampling`: how far chance decides between sets that are both a little wrong.
 
-mod logged_heat;
+pub(crate) mod logged_heat;
 pub mod medium;
 pub mod narrow_prior;
 pub mod posterior_odds;

@@ -3,7 +3,6 @@
 //! They sum to one over "nothing", the refitted sets and "something else".
 
 use crate::diagnosis::odds::prior_odds::PriorOdds;
-use crate::diagnosis::story::gains_unseen;
 use crate::diagnosis::{Problem, Refit};
 use crate::math::functions::{exp, ln};
 use crate::math::sort::sort_by;
@@ -42,6 +41,13 @@ impl SetProbabilities {
             self.sets.iter_mut().chain([&mut self.unexplained]).for_each(|weight| *weight /= total);
         }
     }
+}
+
+/// Log likelihood that a set gains over another on unseen rows which are worth so many independent readings, each set with
+/// the model error that it shows there.
+pub(crate) fn gains_unseen(before: &Refit, after: &Refit, independent: f64) -> f64 {
+    let ratio = before.rmse_held_out_k.zip(after.rmse_held_out_k).map(|(before, after)| before / after);
+    ratio.filter(|ratio| ratio.is_finite() && *ratio > 0.0).map_or(0.0, |ratio| independent * ln(ratio))
 }
 
 /// Logarithms of what sets weigh by evidence and prior, not normalised.

@@ -43,7 +43,7 @@ fn values(problem: &Problem) -> Vec<Vec<f64>> {
     let model = &problem.model;
     let mut values = vec![Vec::new(); model.inputs.len()];
     for measurement in &problem.measurements {
-        for row in (0..measurement.len()).filter(|&row| !measurement.held_out(row) && !measurement.ignored(row)) {
+        for row in measurement.fitted_rows() {
             for (input, values) in values.iter_mut().enumerate().filter(|(input, _)| !model.clocks.has(*input)) {
                 values.push(measurement.level(model, row, input).unwrap_or(f64::NAN));
             }

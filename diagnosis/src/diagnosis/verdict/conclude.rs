@@ -10,7 +10,8 @@ use crate::diagnosis::odds::posterior_odds::{
     RIVALS_WITHIN, STANDS, best, nothing_stands, odds_with_held_out, posterior_odds, veto,
 };
 use crate::diagnosis::output::{HeldOutTest, Output, Verdict};
-use crate::diagnosis::story::{Story, explains_half};
+use crate::diagnosis::story::course::Story;
+use crate::diagnosis::story::sets::explains_half;
 use crate::diagnosis::verdict::discriminating_experiment;
 use crate::diagnosis::verdict::findings::{Findings, free, is_small_error};
 use crate::diagnosis::verdict::results::{detectable, misfit, models, noise, unseen};

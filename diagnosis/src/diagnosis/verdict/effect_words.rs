@@ -3,7 +3,7 @@
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::prior_scale::{IMPLAUSIBLE, WIDTHS};
 use crate::diagnosis::output::{Amount, EffectResult};
-use crate::diagnosis::verdict::numbers::{short, stated, stated_amount, with_error};
+use crate::diagnosis::verdict::numbers::{degrees, short, stated, stated_amount, with_error};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::document::percent;
 use crate::document::time::unit_of_time;
@@ -214,7 +214,7 @@ const LEAST_MODEL_ERROR: f64 = 0.05;
 
 /// What would read the same as an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Likeness {
+pub enum Likeness<'a> {
     /// A gradient within its node.
     Gradient,
     /// A source or a store of heat.
@@ -225,12 +225,14 @@ pub enum Likeness {
     LumpedNodes(f64),
     /// What the fitted rows want more and the held-out rows contradict.
     Failing,
+    /// An effect that explains more by holding a temperature, K, where the readings dwell.
+    Holding(&'a str, f64),
     /// Nothing in particular.
     None,
 }
 
 /// That errors of the model itself, or what else reads the same, may be what an effect explains.
-pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
+pub fn or_model_error(effect: &EffectResult, likeness: Likeness<'_>) -> String {
     if effect.model_error >= IS_MODEL_ERROR {
         // What is said of its size is why, where it is implausible.
         let is_implausible = effect.prior_width >= WIDTHS[IMPLAUSIBLE].factor && !effect.within_model;
@@ -246,6 +248,14 @@ pub fn or_model_error(effect: &EffectResult, likeness: Likeness) -> String {
             }
             (Likeness::Failing, _) => {
                 "The fitted rows want more what fails on the held-out ones: something that neither of them describes may be missing, and half of the probability is given to that."
+            }
+            (Likeness::Holding(other, level_k), _) => {
+                return format!(
+                    " `{other}` would explain more, but by holding a temperature at {} degC, where the readings stay: there a control of the logged heat \
+                     holds them, and the effect would lower the error whatever is missing. Half of the probability is given to something that \
+                     neither of them describes.",
+                    degrees(level_k)
+                );
             }
             (Likeness::LumpedNodes(size_k), _) => {
                 return format!(

@@ -4,7 +4,9 @@ use crate::diagnosis::engine::{Remainder, State};
 use crate::diagnosis::odds::posterior_odds::{STANDS, SURE, SetProbabilities, best, held};
 use crate::diagnosis::output::Verdict;
 use crate::diagnosis::problem::is_idle;
-use crate::diagnosis::story::{Addition, Step, Story, added};
+use crate::diagnosis::story::course::Story;
+use crate::diagnosis::story::sets::added;
+use crate::diagnosis::story::step::{Addition, Step};
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::diagnosis::verdict::storage_alternative::StorageAlternative;
 use crate::diagnosis::{Problem, Refit};
@@ -44,6 +46,15 @@ pub(crate) struct Findings<'a> {
     pub shared: BTreeMap<usize, f64>,
     /// Storage effects as alternatives of surroundings.
     pub storage_alternatives: Vec<StorageAlternative>,
+}
+
+/// What is no rival of an effect at a step, though it would be more probable.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SetAside {
+    /// Something that fails on the held-out rows.
+    Failing,
+    /// An effect that holds a temperature, K, at which a control of a logged heat holds the readings.
+    Holding { effect: usize, level_k: f64 },
 }
 
 impl Findings<'_> {
@@ -103,7 +114,8 @@ impl Findings<'_> {
     /// Probability that errors of the model are what an effect explains.
     pub(super) fn model_error(&self, effect: usize) -> f64 {
         let of = |probabilities: &BTreeMap<usize, f64>| probabilities.get(&effect).copied().unwrap_or(0.0);
-        let contradicted = if self.is_refused(effect) || self.is_outweighed(effect) { IS_MODEL_ERROR } else { 0.0 };
+        let contradicted =
+            if self.is_refused(effect) || self.outweighed_by(effect).is_some() { IS_MODEL_ERROR } else { 0.0 };
         of(&self.model_errors).max(of(&self.lumped_nodes)).max(contradicted)
     }
 
@@ -123,13 +135,16 @@ impl Findings<'_> {
         self.story_step_of(member).is_some_and(|step| step.failing.contains(&effect))
     }
 
-    /// Whether what fails on the held-out rows would be more probable than an effect at the step that adds it.
-    pub(super) fn is_outweighed(&self, effect: usize) -> bool {
-        let (Some(story), Some(step)) = (&self.story, self.story_step_of(effect)) else { return false };
-        let is_more = |one: &Addition| {
-            step.failing.contains(&one.effect) && step.chosen.is_some_and(|own| story.logs[one.place] > story.logs[own])
-        };
-        step.additions.iter().any(is_more)
+    /// What would be more probable than an effect at the step that adds it, and is no rival of it.
+    pub(super) fn outweighed_by(&self, effect: usize) -> Option<SetAside> {
+        let (story, step) = (self.story.as_ref()?, self.story_step_of(effect)?);
+        let own = story.logs[step.chosen?];
+        if let Some(holding) = story.holding.filter(|holding| step.before == 0 && holding.log > own) {
+            let held = self.problem.held_level(&self.state.refits[holding.place], holding.effect);
+            return held.map(|held| SetAside::Holding { effect: holding.effect, level_k: held.level_k });
+        }
+        let is_more = |one: &Addition| step.failing.contains(&one.effect) && story.logs[one.place] > own;
+        step.additions.iter().any(is_more).then_some(SetAside::Failing)
     }
 
     /// Whether an effect is so small that errors of the model may well be what it explains.

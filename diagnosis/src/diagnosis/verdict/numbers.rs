@@ -2,6 +2,7 @@
 
 use crate::diagnosis::output::Amount;
 use crate::document::time::unit_of_rate;
+use crate::expression::unit::CELSIUS_ZERO_K;
 
 /// A value and its spread, to two digits of the spread.
 pub fn with_error(value: f64, sd: f64) -> String {
@@ -88,4 +89,9 @@ pub fn kelvins_before_and_after(errors: [f64; 2]) -> [String; 2] {
     }
     let longer = (3..=MOST_DECIMALS).map(|decimals| errors.map(|value| format!("{value:.decimals$}")));
     longer.into_iter().find(|pair| pair[0] != pair[1]).unwrap_or(short)
+}
+
+/// A temperature in degC.
+pub(super) fn degrees(temperature_k: f64) -> String {
+    format!("{:.1}", temperature_k - CELSIUS_ZERO_K)
 }

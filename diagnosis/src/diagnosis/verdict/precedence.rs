@@ -3,7 +3,9 @@
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::best;
 use crate::diagnosis::output::{EffectResult, Output, Precedence};
-use crate::diagnosis::story::{AskedOfUnseen, Step, Story, pays_by};
+use crate::diagnosis::story::course::Story;
+use crate::diagnosis::story::rules::{AskedOfUnseen, pays_by};
+use crate::diagnosis::story::step::Step;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::document::percent;
 

@@ -11,7 +11,7 @@ use crate::diagnosis::output::{
     StartResult, StoryStep, Test, Unseen,
 };
 use crate::diagnosis::problem::{FittedReading, is_idle};
-use crate::diagnosis::story::Step;
+use crate::diagnosis::story::step::Step;
 use crate::diagnosis::verdict::effect_words;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::hints::hints;

@@ -3,9 +3,10 @@
 use crate::diagnosis::Refit;
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::{
-    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, SURE, SetProbabilities, best, groups,
+    LEAST_RIVAL, MOST_RIVALS, RIVALS_WITHIN, SURE, SetProbabilities, best, gains_unseen, groups,
 };
-use crate::diagnosis::story::{SINGLE_PLACE, Story, gains_unseen, rises};
+use crate::diagnosis::story::course::Story;
+use crate::diagnosis::story::rules::{SINGLE_PLACE, rises};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::math::functions::{exp, pow};
 use crate::math::sort::sort_by_key;

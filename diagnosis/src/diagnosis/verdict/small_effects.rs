@@ -108,8 +108,7 @@ impl Findings<'_> {
 pub fn is_curve_of_few_phases(problem: &Problem, effect: usize) -> bool {
     let catalogue_effect = problem.catalogue.get(&problem.candidates[effect].effect);
     let Some(curve) = catalogue_effect.and_then(|own| own.form.adds.value.curve.as_ref()) else { return false };
-    let is_fitted = |measurement: &Measurement, row: usize| !measurement.held_out(row) && !measurement.ignored(row);
-    let phases = |one: &Measurement| (0..one.len()).filter(|&row| is_fitted(one, row)).count();
+    let phases = |one: &Measurement| one.fitted_rows().count();
     !problem.has_transients() && problem.measurements.iter().map(phases).sum::<usize>() < 2 * curve.knots.value
 }
 

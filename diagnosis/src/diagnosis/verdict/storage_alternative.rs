@@ -7,7 +7,9 @@
 //! model decide that. It does where the noise is stated and nothing is left, so that there is no such alternative there.
 
 use crate::diagnosis::Refit;
-use crate::diagnosis::story::{EXPLAINS_ALIKE, Step, added, falls};
+use crate::diagnosis::story::rules::{EXPLAINS_ALIKE, falls};
+use crate::diagnosis::story::sets::added;
+use crate::diagnosis::story::step::Step;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::small_effects::IS_MODEL_ERROR;
 use crate::effect::form::Family;

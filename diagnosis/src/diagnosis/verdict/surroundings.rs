@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::medium::logged_temperatures;
 use crate::diagnosis::output::Amount;
+use crate::diagnosis::verdict::numbers::degrees;
 use crate::effect::Candidate;
 use crate::expression::Unit;
-use crate::expression::unit::CELSIUS_ZERO_K;
 
 /// Distance from a logged range up to which surroundings are those that were logged, K: a sensor's error, or a wall beside the air.
 const SAME_K: f64 = 3.0;
@@ -33,8 +33,4 @@ pub fn hint(problem: &Problem, candidate: &Candidate, amplitudes: &BTreeMap<Stri
             degrees(range[1])
         )
     })
-}
-
-fn degrees(temperature_k: f64) -> String {
-    format!("{:.1}", temperature_k - CELSIUS_ZERO_K)
 }

@@ -3,14 +3,15 @@
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum, may_be_vacuum};
 use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
-use crate::diagnosis::story::{Addition, falls, rises};
+use crate::diagnosis::story::rules::{falls, rises};
+use crate::diagnosis::story::step::Addition;
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
     Likeness, asked_for, carried, level, onset, or_model_error, size, started, surprising, timed, too_narrow,
 };
 use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyond_what_was_set};
 use crate::diagnosis::verdict::far_from_priors;
-use crate::diagnosis::verdict::findings::Findings;
+use crate::diagnosis::verdict::findings::{Findings, SetAside};
 use crate::diagnosis::verdict::lumped_nodes::lumped_k;
 use crate::diagnosis::verdict::numbers::{joined, kelvins, kelvins_before_and_after, short, stated_amount, with_error};
 use crate::diagnosis::verdict::one_kind::one_kind;
@@ -73,6 +74,18 @@ fn gains_nothing_on_held_out(findings: &Findings<'_>) -> Option<String> {
             findings.id(most.effect)
         )
     })
+}
+
+/// That a selected effect holds a temperature where the readings dwell.
+fn holding(findings: &Findings<'_>, effect: &EffectResult) -> &'static str {
+    let place = findings.problem.candidates.iter().position(|own| own.id == effect.id);
+    let chosen = &findings.state.refits[findings.selected];
+    match place.and_then(|place| findings.problem.held_level(chosen, place)) {
+        Some(held) if !held.by_logged_heat => {
+            " Its threshold lies where the readings stay: whatever holds them there reads the same, such as a heater, a path that opens, or melting."
+        }
+        _ => "",
+    }
 }
 
 /// That the most probable set leaves too much to be an explanation.
@@ -217,15 +230,15 @@ fn more_probable(findings: &Findings<'_>) -> Option<String> {
         let of_a_step = |effect: &usize| findings.groups.iter().any(|group| group.contains(effect));
         findings.state.refits[place].effects.iter().all(of_a_step)
     };
-    // What fails on the held-out rows by itself has a sentence of its own.
+    // What fails on the held-out rows by itself, or holds a temperature, has a sentence of its own.
     let steps = findings.story.iter().flat_map(|story| &story.steps);
     let failing: Vec<usize> = steps.flat_map(|step| &step.failing).copied().collect();
-    let fails = |refit: &Refit| refit.effects.iter().any(|effect| failing.contains(effect));
-    let weights: Vec<f64> = weights
-        .iter()
-        .zip(&findings.state.refits)
-        .map(|(&weight, refit)| if fails(refit) { 0.0 } else { weight })
-        .collect();
+    let is_left_out = |place: usize, refit: &Refit| {
+        refit.effects.iter().any(|effect| failing.contains(effect))
+            || findings.story.as_ref().is_some_and(|story| !story.logs[place].is_finite())
+    };
+    let weight = |(place, refit): (usize, &Refit)| if is_left_out(place, refit) { 0.0 } else { weights[place] };
+    let weights: Vec<f64> = findings.state.refits.iter().enumerate().map(weight).collect();
     let is_probable = |&place: &usize| weights[place] >= LITTLE_IN_STEPS && !findings.groups.is_empty();
     let best = off_the_steps(&weights, is_of_steps).filter(is_probable)?;
     let refit = &findings.state.refits[best];
@@ -280,6 +293,29 @@ pub fn unexplained(tried: &str, is_definite: bool) -> String {
     format!(
         "The model errs by more than the instruments' noise, and {tried} explains that; the tests find nothing definite, so that small errors everywhere may be all there is."
     )
+}
+
+/// What would read the same as a selected effect.
+fn likeness<'a>(findings: &'a Findings<'_>, effect: &EffectResult) -> Likeness<'a> {
+    let problem = findings.problem;
+    if problem.catalogue.get(&effect.effect).is_some_and(Effect::is_like_gradient) {
+        return Likeness::Gradient;
+    }
+    let Some(place) = problem.candidates.iter().position(|own| own.id == effect.id) else { return Likeness::None };
+    match findings.outweighed_by(place) {
+        Some(SetAside::Failing) => return Likeness::Failing,
+        Some(SetAside::Holding { effect, level_k }) => return Likeness::Holding(findings.id(effect), level_k),
+        None => {}
+    }
+    if findings.is_source(place) {
+        Likeness::Source
+    } else if is_curve_of_few_phases(problem, place) {
+        Likeness::Phases
+    } else if findings.is_lumped_nodes_alone(place) {
+        Likeness::LumpedNodes(lumped_k(problem))
+    } else {
+        Likeness::None
+    }
 }
 
 /// The sentences: how wrong, what is missing, how sure, what it does to the error, what else it could be.
@@ -355,21 +391,6 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
         Verdict::Identified | Verdict::Ambiguous => {
             // What invents nothing goes first.
             let is_prior = |effect: &&&EffectResult| effect.effect == PRIOR_OF;
-            let likeness = |effect: &EffectResult| {
-                let place = findings.problem.candidates.iter().position(|own| own.id == effect.id);
-                match findings.problem.catalogue.get(&effect.effect).is_some_and(Effect::is_like_gradient) {
-                    true => Likeness::Gradient,
-                    false if place.is_some_and(|place| findings.is_outweighed(place)) => Likeness::Failing,
-                    false if place.is_some_and(|place| findings.is_source(place)) => Likeness::Source,
-                    false if place.is_some_and(|place| is_curve_of_few_phases(findings.problem, place)) => {
-                        Likeness::Phases
-                    }
-                    false if place.is_some_and(|place| findings.is_lumped_nodes_alone(place)) => {
-                        Likeness::LumpedNodes(lumped_k(findings.problem))
-                    }
-                    false => Likeness::None,
-                }
-            };
             for effect in selected.iter().filter(is_prior) {
                 words.push(too_narrow(effect, findings.problem));
             }
@@ -394,7 +415,7 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 let together = one_kind(&group, findings.problem);
                 let together = together.map_or_else(String::new, |words| format!(" {words}; proposed:"));
                 words.push(format!(
-                    "{head}:{together} {} ({}){}{}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}{}{}",
+                    "{head}:{together} {} ({}){}{}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}{}{}{}",
                     effect.title,
                     effect.id,
                     size(effect, timed(effect, findings.problem).map(|(_, amount)| amount)),
@@ -406,7 +427,8 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     effect.log_bayes_factor,
                     asked_for(effect),
                     surprising(effect),
-                    or_model_error(effect, likeness(effect)),
+                    holding(findings, effect),
+                    or_model_error(effect, likeness(findings, effect)),
                     precedence::in_words(output, effect)
                 ));
             }

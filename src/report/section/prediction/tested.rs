@@ -56,7 +56,7 @@ fn find<'p>(pass: &'p Pass, file: &str) -> Option<&'p Pass> {
 impl Tested {
     /// Widens the ranges by the rows of a measurement that a fit used.
     fn add(&mut self, pass: &Pass, measurement: &Measurement) {
-        let rows = || (0..measurement.len()).filter(|&row| !measurement.ignored(row) && !measurement.held_out(row));
+        let rows = || measurement.fitted_rows();
         // A clock and the switch of an adopted effect are no conditions of a test.
         let is_condition = |index: usize| !pass.model.clocks.has(index) && pass.model.inputs[index].settable;
         for (index, input) in pass.model.inputs.iter().enumerate().filter(|(index, _)| is_condition(*index)) {

@@ -1,5 +1,6 @@
 mod evidence;
 mod exchange;
+mod held_level;
 mod held_out;
 mod other_noise;
 mod size;

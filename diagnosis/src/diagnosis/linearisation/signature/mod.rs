@@ -355,11 +355,8 @@ fn kinds(problem: &Problem) -> (bool, bool) {
     let (mut steady, mut transient) = (false, false);
     for measurement in &problem.measurements {
         let sensors = measurement.sensors.len();
-        let used = (0..measurement.len()).any(|row| {
-            !measurement.held_out(row)
-                && !measurement.ignored(row)
-                && (0..sensors).any(|sensor| measurement.reading(row, sensor).is_some())
-        });
+        let has_reading = |row| (0..sensors).any(|sensor| measurement.reading(row, sensor).is_some());
+        let used = measurement.fitted_rows().any(has_reading);
         match measurement.rows {
             Rows::Steady(_) => steady |= used,
             Rows::Transient { .. } => transient |= used,
