@@ -98,9 +98,9 @@ fn what_holds_a_controlled_temperature_is_no_explanation() {
     let named = output.effects.iter().filter(|effect| effect.group.is_some() || output.selected.contains(&effect.id));
     let holding: Vec<&str> = named.map(|effect| effect.id.as_str()).filter(|id| holds(id)).collect();
     assert!(holding.is_empty(), "{holding:?}");
-    // The premise: one of them would explain more, and the output says why it is no rival.
+    // The premise: one of them would be more probable, and the output says why it is no rival.
     let said = output.words.iter().any(|words| {
-        words.contains("would explain more, but by holding a temperature")
+        words.contains("would be more probable, but only because its threshold")
             && words.contains("control of the logged heat")
     });
     assert!(said, "{:?}", output.words);

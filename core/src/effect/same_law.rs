@@ -74,7 +74,7 @@ impl Effect {
     }
 
     /// Its factor over what it may depend on: its parameters and inputs by their positions in its file, and temperatures, which are nodes.
-    /// `None` where it is no factor.
+    /// `None` where it is no factor, or takes the ends of an input's range.
     pub fn factor(&self, graph: &mut Graph) -> Option<ExprId> {
         let order: Vec<u32> = (0u32..).take(self.form.inputs.len()).collect();
         self.law(&self.form.adds.value.factor.as_ref()?.value, graph, &order)
@@ -87,6 +87,8 @@ impl Effect {
             names.values.insert(entry.name.clone(), graph.symbol(Symbol::Parameter(index)));
         }
         let places = (0u32..).zip(["T", "Ta", "Tb", "Tm", "rate", "zero"]);
+        let is_free = |name: &str| self.form.parameters.get(name).is_none();
+        let places = places.filter(|(_, name)| is_free(name));
         let mut locals: Vec<(&str, ExprId)> =
             places.map(|(index, name)| (name, graph.symbol(Symbol::Node(index)))).collect();
         locals.extend(

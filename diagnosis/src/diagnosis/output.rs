@@ -130,6 +130,10 @@ pub enum Precedence {
     Group,
     /// The other would have to be a hundred times as large as is plausible.
     Size,
+    /// The other follows a heat that a control makes.
+    Control,
+    /// The other takes several inputs.
+    Inputs,
     /// The whole selected set is more probable than those with the other in its place.
     Set,
     /// The other is that probable at another step only.

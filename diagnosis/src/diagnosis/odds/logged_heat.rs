@@ -68,28 +68,23 @@ pub(crate) fn are_laws_of_logged_power(problem: &Problem) -> Vec<bool> {
     problem.candidates.iter().map(is_one).collect()
 }
 
-/// Of each candidate whether it follows the heat that the model is given: by an input on which a load, a heater or a flow depends, or as a
-/// change of such heat by more than a constant share. Where a control makes that heat, it follows whatever is missing.
-pub(crate) fn follow_given_heat(problem: &Problem) -> Vec<bool> {
+/// Of each candidate whether it follows the heat of some elements, such as heaters under control: by an input on which that heat depends, or as
+/// a change of it by more than a constant share. Where a control makes the heat, that follows whatever is missing.
+pub(crate) fn follow_heat_of(problem: &Problem, elements: &[usize]) -> Vec<bool> {
     let model = &problem.model;
     let mut graph = model.graph.clone();
-    let given: Vec<Vec<usize>> = (model.elements.iter())
-        .map(|element| match element.physics().between() {
-            Some(_) => Vec::new(),
-            None => inputs(&symbols_of_heat(element, &mut graph)),
-        })
-        .collect();
-    let is_given =
-        |bound: &Bound| matches!(bound, Bound::Input(input) if given.iter().flatten().any(|own| own == input));
-    let changes_given = |own: &Candidate| {
-        let Site::Elements(elements) = &own.site else { return false };
+    let own = elements.iter().filter_map(|&element| model.elements.get(element));
+    let given: Vec<usize> = own.flat_map(|element| inputs(&symbols_of_heat(element, &mut graph))).collect();
+    let is_given = |bound: &Bound| matches!(bound, Bound::Input(input) if given.contains(input));
+    let changes_heat = |own: &Candidate| {
+        let Site::Elements(changed) = &own.site else { return false };
         let varies = |effect: &Effect| {
             effect.form.adds.value.factor.is_some() && (!own.bound.is_empty() || follows_temperature(effect))
         };
         problem.catalogue.get(&own.effect).is_some_and(varies)
-            && elements.iter().all(|&element| given.get(element).is_some_and(|inputs| !inputs.is_empty()))
+            && changed.iter().any(|element| elements.contains(element))
     };
-    problem.candidates.iter().map(|own| own.bound.iter().any(is_given) || changes_given(own)).collect()
+    problem.candidates.iter().map(|own| own.bound.iter().any(is_given) || changes_heat(own)).collect()
 }
 
 /// Whether an effect is a factor that depends on temperatures, and on no input.

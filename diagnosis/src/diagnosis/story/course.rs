@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::diagnosis::Refit;
 use crate::diagnosis::engine::{Diagnosis, State};
-use crate::diagnosis::odds::logged_heat::follow_given_heat;
+use crate::diagnosis::fits::held_level::HeldLevel;
+use crate::diagnosis::odds::logged_heat::follow_heat_of;
 use crate::diagnosis::odds::posterior_odds::{RIVALS_WITHIN, gains_unseen};
 use crate::diagnosis::story::rules::{AskedOfUnseen, CLEARLY, Gain, Weighed, explains_what_control_does, pays_by};
 use crate::diagnosis::story::sets::{Logs, first_by_weight, gain, goes_before, is_implausible, pays};
@@ -30,15 +30,17 @@ pub(crate) struct Story {
     pub beginning: Option<usize>,
     /// What holds a temperature at which a control of a logged heat holds the readings, and is no part of it.
     pub holding: Option<Holding>,
+    /// Of each candidate whether it follows a heat that a control makes.
+    pub follows_control: Vec<bool>,
 }
 
 /// The most probable effect of those that hold a temperature at which a control of a logged heat holds the readings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Holding {
     pub effect: usize,
-    /// Position of the set of it alone.
-    pub place: usize,
-    /// Log posterior weight of that.
+    /// The temperature, K.
+    pub level_k: f64,
+    /// Log posterior weight of it alone.
     pub log: f64,
 }
 
@@ -86,9 +88,6 @@ impl Diagnosis {
         let mut logs =
             Logs { weights, evidences: log_evidences, follows_control: vec![false; self.problem().candidates.len()] };
         let holding = self.leave_out_holding(state, &mut logs);
-        if holding.is_some() {
-            logs.follows_control = follow_given_heat(self.problem());
-        }
         let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.to_vec(), ..Story::default() };
         let beginning = self.step(state, &logs, 0, AskedOfUnseen::Fall).chosen;
         let mut at = 0;
@@ -123,30 +122,54 @@ impl Diagnosis {
         let ordered = self.largest_first(state, &logs, story);
         let story = self.until_contradicted(state, &logs, ordered);
         let refused = refused(state, &logs, &story);
-        Story { log_evidences: logs.evidences, refused, beginning, holding, ..story }
+        Story {
+            log_evidences: logs.evidences,
+            follows_control: logs.follows_control,
+            refused,
+            beginning,
+            holding,
+            ..story
+        }
     }
 
-    /// Takes all weight from sets with an effect that holds a temperature at which a control of a logged heat holds the readings, where
-    /// another effect explains nearly as much. Beside one that holds it any other would do.
+    /// Takes all weight from sets with an effect that holds a temperature at a level at which a control of a logged heat holds the readings,
+    /// where another effect alone explains nearly as much as the most probable of those alone. In a set with such an effect any other fits.
+    /// States which effects follow the controlled heat.
     fn leave_out_holding(&self, state: &State, logs: &mut Logs) -> Option<Holding> {
-        let refits = &state.refits;
-        let is_holding = |refit: &Refit, effect: usize| {
-            self.problem().held_level(refit, effect).is_some_and(|held| held.by_logged_heat)
+        let problem = self.problem();
+        let held = |place: usize| -> Vec<HeldLevel> {
+            let refit = &state.refits[place];
+            let levels = refit.effects.iter().filter_map(|&effect| problem.held_level(refit, effect));
+            levels.filter(|held| !held.controlled.is_empty()).collect()
         };
-        let holds = |refit: &Refit| refit.effects.iter().any(|&effect| is_holding(refit, effect));
-        let (holding, others): (Vec<usize>, Vec<usize>) =
-            (1..refits.len()).filter(|&place| logs[place].is_finite()).partition(|&place| holds(&refits[place]));
-        let alone = |places: &[usize]| -> Vec<usize> {
-            places.iter().copied().filter(|&place| refits[place].effects.len() == 1).collect()
-        };
-        let first = alone(&holding).into_iter().reduce(|a, b| if logs[b] > logs[a] { b } else { a })?;
-        let explains = |other: &usize| {
-            let all = [0, *other, first].map(|place| &refits[place]);
+        let finite = (1..state.refits.len()).filter(|&place| logs[place].is_finite());
+        let all: Vec<(usize, Vec<HeldLevel>)> = finite.map(|place| (place, held(place))).collect();
+        let alone = |&&(place, _): &&(usize, Vec<HeldLevel>)| state.refits[place].effects.len() == 1;
+        let holding = all.iter().filter(alone).filter(|(_, held)| !held.is_empty());
+        let (first, levels) = holding.reduce(|a, b| if logs[b.0] > logs[a.0] { b } else { a })?;
+        let level = levels.first()?;
+        let follows_control = follow_heat_of(problem, &level.controlled);
+        let explains = |place: usize| {
+            let all = [0, place, *first].map(|place| &state.refits[place]);
             explains_what_control_does(all.map(|refit| refit.rmse_train_k), all.map(|refit| refit.rmse_held_out_k))
         };
-        alone(&others).iter().find(|other| explains(other))?;
-        let found = Holding { effect: refits[first].effects[0], place: first, log: logs[first] };
-        holding.into_iter().for_each(|place| logs.weights[place] = f64::NEG_INFINITY);
+        let is_rival = |(place, held): &(usize, Vec<HeldLevel>)| {
+            let effect = state.refits[*place].effects[0];
+            held.is_empty()
+                && !follows_control[effect]
+                && !problem.is_unknown_function(effect)
+                && !is_implausible(state, 0, *place)
+                && pays(state, logs, 0, *place, AskedOfUnseen::FallUnlessClear)
+                && explains(*place)
+        };
+        all.iter().filter(alone).find(|own| is_rival(own))?;
+        let found = Holding { effect: state.refits[*first].effects[0], level_k: level.level_k, log: logs[*first] };
+        for (place, held) in &all {
+            if held.iter().any(|own| own.is_at(level)) {
+                logs.weights[*place] = f64::NEG_INFINITY;
+            }
+        }
+        logs.follows_control = follows_control;
         Some(found)
     }
 
@@ -221,7 +244,7 @@ impl Diagnosis {
         while let Some(&at) = sets.last()
             && state.refits[at].effects.len() < state.refits[end].effects.len()
         {
-            let all: Vec<usize> = self.on_the_way(state, at, end).collect();
+            let all: Vec<usize> = self.on_the_way(state, at, end).filter(|&place| logs[place].is_finite()).collect();
             sets.push(first_by_weight(state, |place| logs[place], at, &all).unwrap_or(end));
         }
         let step = |pair: &[usize]| {
@@ -240,7 +263,8 @@ impl Diagnosis {
     fn last_of(&self, state: &State, logs: &Logs, pair: &[usize], end: usize) -> Option<Step> {
         let added = state.refits[pair[1]].effects.iter().find(|one| !state.refits[pair[0]].effects.contains(one))?;
         let rest: Vec<usize> = state.refits[end].effects.iter().copied().filter(|one| one != added).collect();
-        let before = state.refits.iter().position(|refit| refit.effects == rest)?;
+        let before =
+            state.refits.iter().position(|refit| refit.effects == rest).filter(|&own| logs[own].is_finite())?;
         Some(self.step_to(state, logs, before, AskedOfUnseen::FallUnlessClear, Some(end)))
     }
 }

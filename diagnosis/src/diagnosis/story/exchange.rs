@@ -54,6 +54,10 @@ impl Diagnosis {
                 !step.failing.contains(&one.effect) && (is_alike(one) || is_minor(*member) || pays(one))
             };
             for other in step.additions.iter().filter(may_displace) {
+                // What follows a control's heat displaces nothing else: with any other effect it explains what is missing.
+                if logs.follows_control[other.effect] && !logs.follows_control[*member] {
+                    continue;
+                }
                 let before = &state.refits[step.before].effects;
                 let is_other = |&place: &usize| {
                     let effects = &state.refits[place].effects;
@@ -69,10 +73,6 @@ impl Diagnosis {
                 let [surface, single] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
                 let displaces_surface = surface.is_group() && !single.is_group() && !surface.is_elsewhere_than(single);
                 let takes_more_inputs = surface.bound.len() < 2 && single.bound.len() > 1;
-                // What follows a control would, with anything beside it.
-                if logs.follows_control[other.effect] && !logs.follows_control[*member] {
-                    continue;
-                }
                 let least = logs[end] + least_lead(more > 0, displaces_surface || takes_more_inputs);
                 let place = place
                     .filter(|&place| logs[place] > best.as_ref().map_or(least, |best| logs[best.place].max(least)));

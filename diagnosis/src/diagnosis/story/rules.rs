@@ -14,8 +14,9 @@ pub(crate) const ALIKE_SHARE: f64 = 0.1;
 /// has to explain to go before it; and where it predicts unseen rows clearly better.
 pub(crate) const EXPLAINS_ALIKE: f64 = 0.95;
 const EXPLAINS_MOST: f64 = 0.8;
-/// Log odds by which the former then stands behind; and a law of several inputs behind one of one input that explains as much.
-pub(crate) const IMPLAUSIBLE: f64 = 1.0;
+/// Log odds by which the former then stands behind, a law of several inputs behind one of one input that explains as much, and what
+/// follows a control behind what explains nearly as much.
+pub(crate) const STANDS_BEHIND: f64 = 1.0;
 /// Share of the squares of errors that an effect has to explain, on the fitted and on the unseen rows, so that what the fitted rows want
 /// more and what fails on the unseen ones is no rival of it: errors of the model help on one of them only.
 const EXPLAINS_ON_BOTH: f64 = 0.5;

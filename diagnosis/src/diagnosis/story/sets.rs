@@ -68,7 +68,7 @@ pub(super) fn first_by_weight(
 /// Whether a plain effect goes before another, each by a set that adds it to a third. One of plausible size goes before one of a hundred
 /// times that: it explains nearly as much, and predicts unseen rows no worse; or explains most of it, predicts them better, and is
 /// not clearly less probable. A law of one input goes before one of several where it explains as much on fitted and unseen rows, and
-/// any other effect before one that follows a heat that a control makes, where it explains nearly as much: the control follows what is missing.
+/// any other law before one that follows a heat that a control makes, where it explains nearly as much: the control follows what is missing.
 pub(super) fn goes_before(
     problem: &Problem,
     state: &State,
@@ -83,15 +83,41 @@ pub(super) fn goes_before(
     let sets = [at, plain, other].map(|place| &state.refits[place]);
     if is_implausible(state, at, other) {
         let squares = sets.map(|refit| refit.residuals.iter().map(|error| error * error).sum());
-        return serves_as_well(squares, unseen(sets[2], sets[1]), logs[other] - logs[plain]);
+        if serves_as_well(squares, unseen(sets[2], sets[1]), logs[other] - logs[plain]) {
+            return true;
+        }
     }
     let Some((own, other)) = added(state, at, plain).zip(added(state, at, other)) else { return false };
     let (fitted, unseen) = (sets.map(|refit| refit.rmse_train_k), sets.map(|refit| refit.rmse_held_out_k));
-    let [inputs, other_inputs] = [own, other].map(|effect| problem.candidates[effect].bound.len());
-    if !logs.follows_control[own] && logs.follows_control[other] {
-        return explains_what_control_does(fitted, unseen);
+    match plainness(problem, &logs.follows_control, own, other) {
+        Some(Plainness::FreeOfControl) => explains_what_control_does(fitted, unseen),
+        Some(Plainness::FewerInputs) => explains_what_several_inputs_do(fitted, unseen),
+        None => false,
     }
-    inputs < 2 && other_inputs > 1 && explains_what_several_inputs_do(fitted, unseen)
+}
+
+/// Why a law is plainer than another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Plainness {
+    /// The other follows a heat that a control makes.
+    FreeOfControl,
+    /// The other takes several inputs.
+    FewerInputs,
+}
+
+/// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part.
+pub(crate) fn plainness(problem: &Problem, follows_control: &[bool], own: usize, other: usize) -> Option<Plainness> {
+    let [candidate, of_other] = [own, other].map(|effect| &problem.candidates[effect]);
+    let is_part = of_other.is_group() && !candidate.is_group() && !candidate.is_elsewhere_than(of_other);
+    let follows = |effect: usize| follows_control.get(effect) == Some(&true);
+    if is_part || [own, other].into_iter().any(|effect| problem.is_unknown_function(effect)) {
+        return None;
+    }
+    match [follows(own), follows(other)] {
+        [false, true] => Some(Plainness::FreeOfControl),
+        [true, false] => None,
+        _ => (candidate.bound.len() < 2 && of_other.bound.len() > 1).then_some(Plainness::FewerInputs),
+    }
 }
 
 /// What a set gains over another, by the log posterior weights and the log evidences of all sets.

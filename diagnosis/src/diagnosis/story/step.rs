@@ -3,7 +3,7 @@
 use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
 use crate::diagnosis::story::rules::{
-    AskedOfUnseen, IMPLAUSIBLE, LawOfStep, SINGLE_PLACE, curve_goes_first, first_likely, rises, whole_surface_first,
+    AskedOfUnseen, LawOfStep, SINGLE_PLACE, STANDS_BEHIND, curve_goes_first, first_likely, rises, whole_surface_first,
 };
 use crate::diagnosis::story::sets::{
     Logs, added, explains_half, goes_before, is_as_written, is_implausible, pays, unseen,
@@ -57,7 +57,9 @@ impl Diagnosis {
     ) -> Step {
         let choice = Choice { diagnosis: self, state, logs, at, asked };
         let is_failing = |&place: &usize| {
-            added(state, at, place).is_some() && rises(unseen(&state.refits[at], &state.refits[place]))
+            logs[place].is_finite()
+                && added(state, at, place).is_some()
+                && rises(unseen(&state.refits[at], &state.refits[place]))
         };
         let failing: Vec<usize> = (0..logs.len()).filter(is_failing).collect();
         if !failing.is_empty() {
@@ -158,8 +160,8 @@ impl Choice<'_> {
         laws.reduce(|a, b| if self.logs[b] > self.logs[a] { b } else { a })
     }
 
-    /// Log posterior weights of the sets at this step: without those that fail, and with what is implausibly large, or takes
-    /// several inputs, behind a plain effect that serves as well.
+    /// Log posterior weights of the sets at this step: without those that fail, and with what is implausibly large, takes several
+    /// inputs or follows a control behind a plain effect that serves as well.
     fn logs_of_step(&self, largest_law: Option<usize>, failing: &[usize]) -> Vec<f64> {
         let mut logs = self.logs.to_vec();
         let goes_before_law = |law: usize| {
@@ -167,9 +169,15 @@ impl Choice<'_> {
                 goes_before(self.diagnosis.problem(), self.state, self.logs, self.at, place, law)
             })
         };
-        if let Some(plain) = largest_law.and_then(goes_before_law) {
-            let others = self.next().map(|one| one.1).filter(|&place| self.logs[place] > self.logs[plain]);
-            others.for_each(|place| logs[place] = self.logs[plain] - IMPLAUSIBLE);
+        if let Some((law, plain)) = largest_law.and_then(|law| Some((law, goes_before_law(law)?))) {
+            // Beside a law of implausible size nothing between the two is worth more than the plain one.
+            let is_outdone = |place: usize| {
+                is_implausible(self.state, self.at, law)
+                    || goes_before(self.diagnosis.problem(), self.state, self.logs, self.at, plain, place)
+            };
+            let more = self.next().map(|one| one.1).filter(|&place| self.logs[place] > self.logs[plain]);
+            let others: Vec<usize> = more.filter(|&place| is_outdone(place)).collect();
+            others.into_iter().for_each(|place| logs[place] = self.logs[plain] - STANDS_BEHIND);
         }
         failing.iter().for_each(|&place| logs[place] = f64::NEG_INFINITY);
         logs

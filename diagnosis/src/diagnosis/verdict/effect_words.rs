@@ -251,9 +251,9 @@ pub fn or_model_error(effect: &EffectResult, likeness: Likeness<'_>) -> String {
             }
             (Likeness::Holding(other, level_k), _) => {
                 return format!(
-                    " `{other}` would explain more, but by holding a temperature at {} degC, where the readings stay: there a control of the logged heat \
-                     holds them, and the effect would lower the error whatever is missing. Half of the probability is given to something that \
-                     neither of them describes.",
+                    " `{other}` would be more probable, but only because its threshold is at {} degC, where a control of the logged heat holds the \
+                     readings: there it lowers the error whatever is missing. Half of the probability is given to something that neither of \
+                     the two describes.",
                     degrees(level_k)
                 );
             }

@@ -140,8 +140,7 @@ impl Findings<'_> {
         let (story, step) = (self.story.as_ref()?, self.story_step_of(effect)?);
         let own = story.logs[step.chosen?];
         if let Some(holding) = story.holding.filter(|holding| step.before == 0 && holding.log > own) {
-            let held = self.problem.held_level(&self.state.refits[holding.place], holding.effect);
-            return held.map(|held| SetAside::Holding { effect: holding.effect, level_k: held.level_k });
+            return Some(SetAside::Holding { effect: holding.effect, level_k: holding.level_k });
         }
         let is_more = |one: &Addition| step.failing.contains(&one.effect) && story.logs[one.place] > own;
         step.additions.iter().any(is_more).then_some(SetAside::Failing)

@@ -5,6 +5,7 @@ use crate::diagnosis::odds::posterior_odds::best;
 use crate::diagnosis::output::{EffectResult, Output, Precedence};
 use crate::diagnosis::story::course::Story;
 use crate::diagnosis::story::rules::{AskedOfUnseen, pays_by};
+use crate::diagnosis::story::sets::{Plainness, plainness};
 use crate::diagnosis::story::step::Step;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::document::percent;
@@ -21,6 +22,8 @@ impl Precedence {
             Self::Law => "a law goes before an unknown function that does not clearly explain more",
             Self::Group => "what acts on a whole group goes before a single place that does not clearly explain more",
             Self::Size => "the other would have to be a hundred times as large as is plausible",
+            Self::Control => "the other follows a heat that a control makes, which follows whatever is missing",
+            Self::Inputs => "the other takes several inputs and hardly explains more",
             Self::Set => "all that is selected is more probable than what was fitted with the other in its place",
             Self::OtherStep => "the other is that probable only beside other effects",
             Self::Prior => "a prior that may be too narrow is checked before anything is added",
@@ -116,6 +119,11 @@ impl Findings<'_> {
             if after.is_implausible(other) && !refits[own.place].is_implausible(effect) {
                 return Some(Precedence::Size);
             }
+        }
+        match plainness(self.problem, &story.follows_control, effect, other) {
+            Some(Plainness::FreeOfControl) => return Some(Precedence::Control),
+            Some(Plainness::FewerInputs) => return Some(Precedence::Inputs),
+            None => {}
         }
         // Where another effect would have been first, the steps lead to a less probable set.
         let in_its_place = |place: &usize| {

@@ -76,13 +76,13 @@ fn gains_nothing_on_held_out(findings: &Findings<'_>) -> Option<String> {
     })
 }
 
-/// That a selected effect holds a temperature where the readings dwell.
+/// That the threshold of a selected effect lies where the readings stay, by no control of a logged heat.
 fn holding(findings: &Findings<'_>, effect: &EffectResult) -> &'static str {
     let place = findings.problem.candidates.iter().position(|own| own.id == effect.id);
     let chosen = &findings.state.refits[findings.selected];
     match place.and_then(|place| findings.problem.held_level(chosen, place)) {
-        Some(held) if !held.by_logged_heat => {
-            " Its threshold lies where the readings stay: whatever holds them there reads the same, such as a heater, a path that opens, or melting."
+        Some(held) if held.controlled.is_empty() => {
+            " Its threshold lies where the readings stay: whatever keeps them there reads the same, such as a heater, a path that opens, melting, or a state that is steady."
         }
         _ => "",
     }
