@@ -114,8 +114,11 @@ impl Findings<'_> {
     /// Probability that errors of the model are what an effect explains.
     pub(super) fn model_error(&self, effect: usize) -> f64 {
         let of = |probabilities: &BTreeMap<usize, f64>| probabilities.get(&effect).copied().unwrap_or(0.0);
-        let contradicted =
-            if self.is_refused(effect) || self.outweighed_by(effect).is_some() { IS_MODEL_ERROR } else { 0.0 };
+        // What no effect of a step describes is taken from all that may stand for it.
+        let is_outweighed = |group: &Vec<usize>| group.contains(&effect) && self.outweighed_by(group[0]).is_some();
+        let is_contradicted =
+            self.is_refused(effect) || self.outweighed_by(effect).is_some() || self.groups.iter().any(is_outweighed);
+        let contradicted = if is_contradicted { IS_MODEL_ERROR } else { 0.0 };
         of(&self.model_errors).max(of(&self.lumped_nodes)).max(contradicted)
     }
 
