@@ -81,9 +81,13 @@ impl Problem {
         };
         runs.retain(|_, run| dwells(run));
         let every = readings.len().div_ceil(MOST_READINGS).max(1);
-        let heat_is_controlled = |&element: &usize| {
-            let mut graph = self.model.graph.clone();
-            let heats = self.heats(element, &mut graph);
+        let mut graph = self.model.graph.clone();
+        let all: Vec<(usize, Vec<ExprId>)> =
+            (0..self.model.elements.len()).map(|element| (element, self.heats(element, &mut graph))).collect();
+        let heat_is_controlled = |heats: &[ExprId]| {
+            if heats.is_empty() {
+                return false;
+            }
             let mut heat = Heat::default();
             for (&measurement, run) in &runs {
                 let reached = run.iter().position(|own| own.2).unwrap_or(run.len());
@@ -96,9 +100,9 @@ impl Problem {
                     heat.add(watts, is_before && (level_k - reading_k).abs() > far_k, is_there);
                 }
             }
-            !heats.is_empty() && is_controlled(&heat.before, &heat.at_level, heat.largest)
+            is_controlled(&heat.before, &heat.at_level, heat.largest)
         };
-        (0..self.model.elements.len()).filter(heat_is_controlled).collect()
+        all.into_iter().filter(|(_, heats)| heat_is_controlled(heats)).map(|(element, _)| element).collect()
     }
 
     /// The heat of an element into nodes with a balance, W; none of conductors and radiations.
