@@ -2,8 +2,8 @@
 
     python3 .ci/pages.py [PAGE.html ...]
 
-At widths of 390, 1280 and 1920 px: no error in the console, nothing asked of any server, no page wider than its window. At
-1280 px axe-core finds no violation, on light and on dark; printed, every table and figure is there. Pictures and prints
+At widths of 390, 1280 and 1920 px: no error in the console, nothing asked of any server, no page wider than its window, no text
+of a figure cut at its edge. At 1280 px axe-core finds no violation, on light and on dark; printed, every table and figure is there. Pictures and prints
 are kept below target/pages. What cannot be had (the browser, axe-core) is skipped aloud.
 """
 
@@ -34,6 +34,22 @@ AXE_FILE = "package/axe.min.js"
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
 
 OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+# Texts of figures that reach beyond the frame about the drawing, and by how many px. What is folded away is looked at too.
+CUT = """(() => {
+  const folded = [...document.querySelectorAll('main details:not([open])')];
+  folded.forEach((part) => { part.open = true; });
+  const cut = [...document.querySelectorAll('main figure svg')].flatMap((svg) => {
+    const frame = svg.getBoundingClientRect();
+    const room = parseFloat(getComputedStyle(svg.parentElement).paddingLeft) + 2;
+    return [...svg.querySelectorAll('text')].flatMap((text) => {
+      const box = text.getBoundingClientRect();
+      const over = Math.max(frame.left - box.left, box.right - frame.right, frame.top - box.top, box.bottom - frame.bottom) - room;
+      return box.width > 0 && over > 1 ? [`${svg.closest('figure').id}: ${text.textContent.trim()} (${over.toFixed(0)} px)`] : [];
+    });
+  });
+  folded.forEach((part) => { part.open = false; });
+  return cut;
+})()"""
 # Tables and figures that printing would leave out.
 HIDDEN = """[...document.querySelectorAll('main table, main figure svg')].filter((part) => {
   const box = part.getBoundingClientRect();
@@ -93,6 +109,7 @@ def check(own, page, script):
             wrong += complaints(own.recent_events())
         if (over := own.evaluate(OVERFLOW)) > 0:
             wrong.append(f"at {width} px it is {over} px too wide")
+        wrong += [f"at {width} px a text is cut: {text}" for text in own.evaluate(CUT)]
         own.picture(KEPT / f"{name}-{width}.png")
     own.size(1280, WIDTHS[1280])
     if script:

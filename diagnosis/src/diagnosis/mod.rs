@@ -1,7 +1,7 @@
 //! What physics a model is missing: the model against measurements, with every effect of a catalogue at every place.
 //!
 //! In the order of a diagnosis: `problem` (what is diagnosed), `thinned` (the same on fewer rows), `hypothesis` (its model with a set of effects), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
-//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `search` which sets are fitted next, `left_out` which readings are faults, `channel` what one channel shows of that and `together` what several do, `misspecified` what changes where the model is a little wrong everywhere, `story` how effects are added there, `blocks` what stretches of the data say of them. docs/diagnosis.md says what is computed, and after whom.
+//! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `search` which sets are fitted next, `left_out` which readings are faults, `channel` what one channel shows of that and `together` what several do, `misspecified` what changes where the model is a little wrong everywhere, `story` how effects are added there, `blocks` what stretches of the data say of them. docs/diagnosis-method.md says what is computed, and after whom.
 
 pub mod blocks;
 pub mod channel;

@@ -287,6 +287,19 @@ pub struct ModelResult {
     pub rmse_k: Rmse,
 }
 
+/// What the effects of a group are together, where they are laws of one thing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GroupKind {
+    /// Number of the group.
+    pub group: u64,
+    /// What they are, names in backticks: a loss of heat from `bar` to its surroundings.
+    pub what: String,
+    /// What of it the readings leave open, as a relative pronoun goes on: whose law.
+    pub open: String,
+    /// Probability that one of them is missing.
+    pub probability: f64,
+}
+
 /// A step from one set of effects to the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StoryStep {
@@ -508,6 +521,9 @@ pub struct Output {
     pub models: Vec<ModelResult>,
     /// The set that would be adopted; in the order of `steps` where there are any.
     pub selected: Vec<String>,
+    /// What groups are of which all members are laws of one thing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub kinds: Vec<GroupKind>,
     /// How the set came about, effect by effect, where the model is taken to be a little wrong everywhere.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<StoryStep>,

@@ -2,7 +2,7 @@
 //! with.
 
 use super::odds::posterior_odds::SURE;
-use super::output::{EffectResult, Output, Verdict};
+use super::output::{EffectResult, GroupKind, Output, Verdict};
 use super::verdict::small_effects::IS_MODEL_ERROR;
 use crate::math::sort::sort_by;
 
@@ -61,6 +61,16 @@ impl Output {
         let is_alone = |effect: &&EffectResult| self.confused_with(effect).next().is_none();
         let selected = self.selected.iter().filter_map(|id| self.effect(id));
         selected.filter(|effect| effect.probability >= SURE).filter(is_alone).collect()
+    }
+
+    /// What the group of an effect is, where all of it are laws of one thing.
+    pub fn kind_of(&self, effect: &EffectResult) -> Option<&GroupKind> {
+        self.kinds.iter().find(|kind| Some(kind.group) == effect.group)
+    }
+
+    /// What is missing as surely as an identified effect, by the group of an effect, though the data do not tell which of its laws.
+    pub fn settled_kind_of(&self, effect: &EffectResult) -> Option<&GroupKind> {
+        self.kind_of(effect).filter(|kind| kind.probability >= SURE)
     }
 
     /// What else the data allow in place of these effects, best first, each with its probability: what shares a group with

@@ -49,7 +49,7 @@ impl Drawing {
             if standalone { " xmlns=\"http://www.w3.org/2000/svg\" width=\"960\"".to_owned() } else { String::new() };
         format!(
             "<svg{namespace} viewBox=\"0 0 {width} {height}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" \
-             font-family=\"Inter, 'Segoe UI', 'Helvetica Neue', Arial, 'Liberation Sans', sans-serif\">\n\
+             font-family=\"Inter, 'Segoe UI', 'Helvetica Neue', Arial, 'Liberation Sans', 'DejaVu Sans Condensed', sans-serif\">\n\
              <title id=\"{id}-title\">{title}</title>\n<desc id=\"{id}-desc\">{description}</desc>\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n{}</svg>\n",
             self.body

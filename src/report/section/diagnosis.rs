@@ -88,14 +88,7 @@ pub(super) fn verdict(output: &Output) -> Text {
             None => ": nothing is missing that these data could show.",
         },
         Verdict::Identified => ": one set of effects explains the misfit, and no rival comes near it.",
-        Verdict::Ambiguous if !output.settled().is_empty() && output.settled().len() < output.selected.len() => {
-            let settled: Vec<&str> = output.settled().iter().map(|effect| effect.id.as_str()).collect();
-            let mut text = Text::default().strong(output.verdict.word()).plain(": missing is ");
-            for (position, id) in settled.iter().enumerate() {
-                text = text.plain(if position == 0 { "" } else { ", " }).code(*id);
-            }
-            return text.plain("; what else is missing these data do not settle.");
-        }
+        Verdict::Ambiguous if is_partly_settled(output) => return partly_settled(output),
         Verdict::Ambiguous if output.is_without_rival() => {
             ": effects explain the misfit that have no rivals, but these data do not settle that they are there."
         }
@@ -105,6 +98,37 @@ pub(super) fn verdict(output: &Output) -> Text {
         }
     };
     Text::default().strong(output.verdict.word()).plain(meaning)
+}
+
+/// What is missing for sure of one selected effect: itself, or what all laws of its group are together.
+fn settled(output: &Output, own: &EffectResult) -> Option<Text> {
+    if output.settled().iter().any(|one| one.id == own.id) {
+        return Some(Text::default().code(&own.id));
+    }
+    let kind = output.settled_kind_of(own)?;
+    Some(Text::with_names(&kind.what).plain(format!(", {} is open", kind.open)))
+}
+
+/// Whether some of what is missing is settled, and not all of it down to its law.
+fn is_partly_settled(output: &Output) -> bool {
+    let selected = || output.selected.iter().filter_map(|id| output.effect(id));
+    output.settled().len() < output.selected.len() && selected().any(|own| settled(output, own).is_some())
+}
+
+/// What of a verdict is settled, and that the rest is not.
+fn partly_settled(output: &Output) -> Text {
+    let selected = output.selected.iter().filter_map(|id| output.effect(id));
+    let (mut text, mut count, mut is_open) = (Text::default().strong(output.verdict.word()).plain(": missing is "), 0, false);
+    for own in selected {
+        match settled(output, own) {
+            Some(what) => {
+                text = text.plain(if count == 0 { "" } else { "; and " }).joined(Some(what));
+                count += 1;
+            }
+            None => is_open = true,
+        }
+    }
+    text.plain(if is_open { "; what else is missing these data do not settle." } else { "." })
 }
 
 /// The first of the warnings, and how many more there are.

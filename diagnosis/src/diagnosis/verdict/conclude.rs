@@ -213,6 +213,7 @@ impl Diagnosis {
         let misfit = misfit(&problem, state);
         let is_definite =
             misfit.family_wise_p <= self.settings().false_alarm || findings.too_far.is_some() || findings.vetoed;
+        let effects = self.effects(&findings);
         let mut output = Output {
             verdict,
             words: Vec::new(),
@@ -220,7 +221,8 @@ impl Diagnosis {
             probability_unexplained: findings.weights.unexplained,
             only_small_errors: verdict == Verdict::Unexplained && !is_definite,
             misfit,
-            effects: self.effects(&findings),
+            kinds: findings.kinds(&effects, &selected),
+            effects,
             models: models(&findings),
             selected,
             steps: findings.steps_of_story(),

@@ -1,8 +1,11 @@
 //! What the effects of a group are together, where they are laws of one and the same thing: a loss of one node, heat into it, a path,
 //! a conductance, a store of heat or a sensor. The effects' files say what each adds, their places where.
 
+use std::collections::BTreeMap;
+
 use crate::diagnosis::Problem;
-use crate::diagnosis::output::EffectResult;
+use crate::diagnosis::output::{EffectResult, GroupKind};
+use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::numbers::or_joined;
 use crate::effect::{Candidate, Site};
 use crate::thermal::{Model, NodeKind};
@@ -73,9 +76,9 @@ impl Changed {
     }
 }
 
-/// What effects are together and what the readings do not tell of it, in words that go on after a colon; `None` where there is one, or
-/// they are of several kinds or at several places. Stores of heat are one kind at several places too: then the place is open.
-pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> {
+/// What effects are together and what the readings do not tell of it; `None` where there is one, or they are of several kinds or at several
+/// places. Stores of heat are one kind at several places too: then the place is open.
+pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<(String, &'static str)> {
     let first = effects.first().filter(|_| effects.len() > 1)?;
     let of = |effect: &&EffectResult| {
         let candidate = problem.candidates.iter().find(|candidate| candidate.id == effect.id)?;
@@ -113,6 +116,11 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> 
         Changed::Store(nodes) => (format!("heat that is stored at {}", place(nodes)), "whose way"),
         Changed::Reading(_) => (format!("a fault of the readings of `{}`", first.place.join("` and `")), "whose kind"),
     };
+    Some((what, open))
+}
+
+/// The laws of some effects, each once.
+pub(super) fn laws(effects: &[&EffectResult]) -> String {
     let mut laws: Vec<String> = Vec::new();
     for effect in effects {
         let law = effect
@@ -123,7 +131,41 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<String> 
             laws.push(law);
         }
     }
-    Some(format!("{what}, {open} the readings do not tell ({})", or_joined(&laws)))
+    or_joined(&laws)
+}
+
+impl Findings<'_> {
+    /// The effects of a group by its position, of those that are stated: no other selected ones, and no stores of heat that stand for
+    /// surroundings.
+    pub(super) fn laws_of_group<'o>(
+        &self,
+        group: usize,
+        effects: &'o [EffectResult],
+        selected: &[String],
+    ) -> Vec<&'o EffectResult> {
+        let Some((&first, _)) = self.groups[group].split_first() else { return Vec::new() };
+        let is_alternative = |member: usize| self.storage_alternatives.iter().any(|own| own.effect == member);
+        let members = self.groups[group].iter().filter(|&&member| !is_alternative(member));
+        let stated = members.filter_map(|&member| effects.iter().find(|other| other.id == self.id(member)));
+        stated.filter(|other| other.id == self.id(first) || !selected.contains(&other.id)).collect()
+    }
+
+    /// What the groups are together of which all effects are laws of one thing. An effect that is in several groups counts in the first
+    /// one alone, so that no probability counts twice.
+    pub(super) fn kinds(&self, effects: &[EffectResult], selected: &[String]) -> Vec<GroupKind> {
+        let mut counted: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut kinds = Vec::new();
+        for group in 0..self.groups.len() {
+            let members = self.laws_of_group(group, effects, selected);
+            let own = members.iter().filter(|own| *counted.entry(own.id.as_str()).or_insert(group) == group);
+            let probability = own.map(|own| own.probability).sum::<f64>().min(1.0);
+            if let Some((what, open)) = one_kind(&members, self.problem) {
+                let group = group as u64 + 1;
+                kinds.push(GroupKind { group, what, open: open.to_owned(), probability });
+            }
+        }
+        kinds
+    }
 }
 
 /// Heat of a place, and what of it is open.

@@ -1,7 +1,9 @@
 //! The verdict in sentences.
 
 use crate::diagnosis::odds::medium::{is_pressure, is_vacuum, may_be_vacuum};
-use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, OneThing, Output, RISES, StoryStep, Verdict};
+use crate::diagnosis::output::{
+    DiscriminatingExperiment, EffectResult, GroupKind, OneThing, Output, RISES, StoryStep, Verdict,
+};
 use crate::diagnosis::screening::screen::AT_BOUNDS;
 use crate::diagnosis::story::rules::{falls, rises};
 use crate::diagnosis::story::step::Addition;
@@ -14,7 +16,7 @@ use crate::diagnosis::verdict::far_from_priors;
 use crate::diagnosis::verdict::findings::{Findings, SetAside};
 use crate::diagnosis::verdict::lumped_nodes::lumped_k;
 use crate::diagnosis::verdict::numbers::{joined, kelvins, kelvins_before_and_after, short, stated_amount, with_error};
-use crate::diagnosis::verdict::one_kind::one_kind;
+use crate::diagnosis::verdict::one_kind::laws;
 use crate::diagnosis::verdict::precedence;
 use crate::diagnosis::verdict::small_effects::is_curve_of_few_phases;
 use crate::diagnosis::{PRIOR_OF, Problem, Refit};
@@ -86,6 +88,12 @@ fn holding(findings: &Findings<'_>, effect: &EffectResult) -> &'static str {
         }
         _ => "",
     }
+}
+
+/// What the laws of a group are together, how probable that is, and what the readings do not tell of it.
+fn in_words(kind: &GroupKind, laws: &str) -> String {
+    let GroupKind { what, open, probability, .. } = kind;
+    format!(" {what} ({}), {open} the readings do not tell ({laws}); proposed:", percent(*probability))
 }
 
 /// That the most probable set leaves too much to be an explanation.
@@ -395,7 +403,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 words.push(too_narrow(effect, findings.problem));
             }
             for effect in selected.iter().filter(|effect| !is_prior(effect)) {
-                let is_settled = output.settled().iter().any(|settled| settled.id == effect.id);
+                let kind = output.kind_of(effect);
+                let is_settled = output.settled().iter().any(|settled| settled.id == effect.id)
+                    || output.settled_kind_of(effect).is_some();
                 let head =
                     if output.verdict == Verdict::Identified || is_settled { "Missing" } else { "Perhaps missing" };
                 let number = output.steps.iter().position(|step| step.effect.as_ref() == Some(&effect.id));
@@ -403,19 +413,15 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                     Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),
                     None => (head.to_owned(), String::new()),
                 };
-                let is_own = |group: &&Vec<usize>| group.first().is_some_and(|&first| findings.id(first) == effect.id);
-                let members = findings.groups.iter().find(is_own).into_iter().flatten();
-                let is_storage_alternative =
-                    |member: usize| findings.storage_alternatives.iter().any(|own| own.effect == member);
-                let group: Vec<&EffectResult> = members
-                    .filter(|&&member| !is_storage_alternative(member))
-                    .filter_map(|&member| output.effects.iter().find(|other| other.id == findings.id(member)))
-                    .filter(|other| other.id == effect.id || !output.selected.contains(&other.id))
-                    .collect();
-                let together = one_kind(&group, findings.problem);
-                let together = together.map_or_else(String::new, |words| format!(" {words}; proposed:"));
+                let is_own = |group: &Vec<usize>| group.first().is_some_and(|&first| findings.id(first) == effect.id);
+                let group = findings.groups.iter().position(is_own);
+                let members = group
+                    .map(|group| findings.laws_of_group(group, &output.effects, &output.selected))
+                    .unwrap_or_default();
+                let together = kind.map_or_else(String::new, |kind| in_words(kind, &laws(&members)));
+                let own = if kind.is_some() { "probability of the proposed one" } else { "probability" };
                 words.push(format!(
-                    "{head}:{together} {} ({}){}{}{}{}{}{errors}; probability {}, log Bayes factor {:.1}.{}{}{}{}{}",
+                    "{head}:{together} {} ({}){}{}{}{}{}{errors}; {own} {}, log Bayes factor {:.1}.{}{}{}{}{}",
                     effect.title,
                     effect.id,
                     size(effect, timed(effect, findings.problem).map(|(_, amount)| amount)),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::diagnosis::output::{Amount, EffectResult, Output, Precedence};
+use crate::diagnosis::output::{Amount, EffectResult, GroupKind, Output, Precedence};
 use crate::document::time::unit_of_time;
 use crate::document::{counted, p_stated};
 use crate::expression::unit::CELSIUS_ZERO_K;
@@ -39,8 +39,12 @@ pub(in crate::report::section) fn near_miss(output: &Output) -> Option<Text> {
     Some(text.plain(": a longer or stronger test would tell."))
 }
 
-/// An effect by its group where a rival is more probable, else by its title.
+/// An effect by what all laws of its group are, by its group where a rival is more probable, else by its title.
 pub(in crate::report::section) fn one_of(output: &Output, own: &EffectResult) -> String {
+    if let Some(kind) = output.kind_of(own) {
+        let mut letters = kind.what.chars().filter(|letter| *letter != '`');
+        return letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect());
+    }
     if output.more_probable(own).is_empty() {
         return own.title.clone();
     }
@@ -48,8 +52,14 @@ pub(in crate::report::section) fn one_of(output: &Output, own: &EffectResult) ->
     format!("One of {}", counted(members, "effect"))
 }
 
-/// The beginning of what is said of an effect: its group before its name, where a rival is more probable.
+/// The beginning of what is said of an effect: what its group is before its name, where all of it are laws of one thing or a rival is
+/// more probable.
 pub(in crate::report::section) fn led_by_group(text: Text, output: &Output, own: &EffectResult) -> Text {
+    if let Some(GroupKind { what, open, probability, .. }) = output.kind_of(own) {
+        let text = text.joined(Some(Text::with_names(what)));
+        let [all, one] = [*probability, own.probability].map(chance);
+        return text.plain(format!(" ({all}), {open} the data do not tell; proposed, with a probability of {one}: "));
+    }
     if output.more_probable(own).is_empty() {
         return text;
     }

@@ -85,8 +85,10 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
         (Verdict::Unexplained, _) | (_, []) => text.plain(unexplained(output)),
         (verdict, _) => {
             let all_settled = output.settled();
-            let (settled, open): (Vec<&EffectResult>, Vec<&EffectResult>) =
-                selected.iter().copied().partition(|effect| all_settled.iter().any(|own| own.id == effect.id));
+            let is_settled = |effect: &&EffectResult| {
+                all_settled.iter().any(|own| own.id == effect.id) || output.settled_kind_of(effect).is_some()
+            };
+            let (settled, open): (Vec<&EffectResult>, Vec<&EffectResult>) = selected.iter().partition(|own| is_settled(own));
             let is_partly = verdict == Verdict::Ambiguous && !settled.is_empty() && !open.is_empty();
             let each = |mut text: Text, effects: &[&EffectResult]| {
                 for (position, effect) in effects.iter().enumerate() {
