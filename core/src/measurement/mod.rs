@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 use crate::document::canonical::canonical;
 use crate::document::{Diagnostic, code, hash};
 use crate::effect::SensorChange;
+use crate::expression::Symbol;
 use crate::random::Distribution;
 use crate::thermal::Model;
 pub use crate::thermal::transient::{InputColumn, InputTable};
@@ -279,6 +280,20 @@ impl Measurement {
     /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// What inputs, nominal parameters and the time are in a row, SI; no number for what else an expression may use.
+    pub fn value_in(&self, model: &Model, row: usize) -> impl Fn(Symbol) -> f64 {
+        move |symbol| match (symbol, &self.rows) {
+            (Symbol::Input(own), Rows::Steady(phases)) => {
+                phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN)
+            }
+            (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),
+            (Symbol::Time, Rows::Steady(_)) => 0.0,
+            (Symbol::Time, Rows::Transient { inputs, .. }) => inputs.times_s[row],
+            (Symbol::Parameter(own), _) => model.parameters[own as usize].nominal,
+            _ => f64::NAN,
+        }
     }
 
     /// What of the measurement decides a result, for a job's key: the file's hash, and a hash of everything that was

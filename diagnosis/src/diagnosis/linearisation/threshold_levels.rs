@@ -214,7 +214,7 @@ fn fitted_readings(measurement: &Measurement, sensors: Vec<usize>) -> impl Itera
 }
 
 /// The least and the greatest of some numbers. `None` without any.
-fn ends(mut numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+pub(crate) fn ends(mut numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let first = numbers.next()?;
     Some(numbers.fold([first; 2], |[least, most], one| [least.min(one), most.max(one)]))
 }

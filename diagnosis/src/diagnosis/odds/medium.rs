@@ -4,7 +4,7 @@
 use crate::diagnosis::Problem;
 use crate::effect::Bound;
 use crate::expression::{ExprId, Symbol, Unit};
-use crate::measurement::{Measurement, Rows};
+use crate::measurement::Measurement;
 use crate::thermal::element::{Drawing, Path};
 use crate::thermal::{Input, Model, NodeKind};
 
@@ -49,22 +49,10 @@ fn boundaries(model: &Model) -> Vec<ExprId> {
 fn in_each_row(problem: &Problem, mut visit: impl FnMut(&dyn Fn(Symbol) -> f64) -> bool) {
     for measurement in &problem.measurements {
         for row in (0..measurement.len()).filter(|&row| !measurement.ignored(row)) {
-            if !visit(&value_in_row(&problem.model, measurement, row)) {
+            if !visit(&measurement.value_in(&problem.model, row)) {
                 return;
             }
         }
-    }
-}
-
-/// What inputs, nominal parameters and the time are in a row.
-pub(crate) fn value_in_row(model: &Model, measurement: &Measurement, row: usize) -> impl Fn(Symbol) -> f64 {
-    move |symbol| match (symbol, &measurement.rows) {
-        (Symbol::Input(own), Rows::Steady(phases)) => phases[row].inputs.get(own as usize).copied().unwrap_or(f64::NAN),
-        (Symbol::Input(own), Rows::Transient { inputs, .. }) => inputs.in_row(row, own as usize),
-        (Symbol::Time, Rows::Steady(_)) => 0.0,
-        (Symbol::Time, Rows::Transient { inputs, .. }) => inputs.times_s[row],
-        (Symbol::Parameter(own), _) => model.parameters[own as usize].nominal,
-        _ => f64::NAN,
     }
 }
 
@@ -74,7 +62,7 @@ pub(crate) fn surroundings_at_start(model: &Model, measurement: &Measurement) ->
     if measurement.is_empty() {
         return Vec::new();
     }
-    let value = value_in_row(model, measurement, 0);
+    let value = measurement.value_in(model, 0);
     let of_boundaries = boundaries(model).into_iter().map(|boundary| model.graph.evaluate(boundary, &value));
     let inputs = (0..).zip(&model.inputs).filter(|(_, input)| is_temperature(input));
     let of_inputs = inputs.map(|(own, _)| value(Symbol::Input(own)));

@@ -1,3 +1,4 @@
+mod controlled_heat;
 mod evidence;
 mod exchange;
 mod held_level;
