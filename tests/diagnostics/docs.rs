@@ -88,6 +88,25 @@ fn every_json_block_names_its_file_or_is_part_of_a_pass() {
     assert_eq!(parts, 2, "the entry under `adopt`, the figures");
 }
 
+/// The page lists every effect of the catalogue, with what it acts on and its inputs, and nothing else.
+#[test]
+fn the_catalogue_of_the_page_is_that_of_the_program() {
+    let catalogue = bmv::study::effects(None).expect("the catalogue");
+    let row = |effect: &bmv::effect::Effect| {
+        let places = effect.places.iter().map(|place| place.word()).chain(effect.groups.then_some("group"));
+        let inputs: Vec<String> = effect.form.inputs.iter().map(|input| format!("`{}`", input.name)).collect();
+        let inputs = if inputs.is_empty() { "\u{2014}".to_owned() } else { inputs.join(", ") };
+        format!("| `{}` | {} | {inputs} | {} |", effect.name, places.collect::<Vec<_>>().join(", "), effect.form.title)
+    };
+    let mut expected: Vec<String> = catalogue.effects().iter().map(row).collect();
+    let page = include_str!("../../docs/effects.md");
+    let table = page.split("## The catalogue").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("the section");
+    let mut listed: Vec<String> = table.lines().filter(|line| line.starts_with("| `")).map(str::to_owned).collect();
+    expected.sort();
+    listed.sort();
+    assert_eq!(listed, expected);
+}
+
 #[test]
 fn the_effect_of_the_page_is_an_effect() {
     let study = Study::empty();

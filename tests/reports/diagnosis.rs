@@ -1,7 +1,7 @@
 //! What reports say of a diagnosis: on the first screen and in its own section.
 
 use bmv::diagnosis::Output;
-use bmv::diagnosis::output::Precedence;
+use bmv::diagnosis::output::{GroupKind, Precedence};
 use bmv::job::diagnose::Kind;
 use serde_json::{Value, json};
 
@@ -167,6 +167,29 @@ fn a_rival_that_is_more_probable_than_what_is_proposed_is_said_first() {
     has(&summary, &["Log Bayes factors: 41.2", "the evidence against the model without it"]);
     let summary = shown(0.1);
     assert!(!summary.contains("One of 2 effects") && !summary.contains("more probable"), "{summary}");
+}
+
+/// Where all of a group are laws of one thing, that is said, and from 0.91 on it is what is missing: the law alone is open then.
+#[test]
+fn what_all_laws_of_a_group_are_is_said_before_the_one_that_is_proposed() {
+    let shown = |probability: f64| {
+        let mut sample = diagnosed("ambiguous");
+        assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+            (output.effects[0].probability, output.effects[1].probability) = (0.52, probability - 0.52);
+            let what = "a path for heat between `baseplate` and `board`".to_owned();
+            output.kinds = vec![GroupKind { group: 1, what, open: "whose law".to_owned(), probability }];
+        }));
+        let markdown = rendered(&sample).markdown.replace('\u{A0}', " ");
+        (markdown.split("\n## ").nth(1).expect("a summary").to_owned(), section(&markdown, "diagnosis"))
+    };
+    let (summary, own) = shown(0.97);
+    let path = "a path for heat between `baseplate` and `board`";
+    has(&own, &[&format!("**ambiguous**: missing is {path}, whose law is open.")]);
+    let proposed = "whose law the data do not tell; proposed, with a probability of 52.0 %: **Path** between `baseplate` and `board`";
+    has(&summary, &[&format!("missing is {path} (97.0 %), {proposed}"), "A path for heat between baseplate and board"]);
+    let (summary, own) = shown(0.6);
+    assert!(!summary.contains("missing is") && !own.contains("missing is"), "{summary}{own}");
+    has(&summary, &[&format!("**ambiguous**: {path} (60.0 %), {proposed}")]);
 }
 
 /// With several effects it is said before which of them, and by which rule.

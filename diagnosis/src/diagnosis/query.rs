@@ -73,6 +73,11 @@ impl Output {
         self.kind_of(effect).filter(|kind| kind.probability >= SURE)
     }
 
+    /// Whether a selected effect is settled, or what all laws of its group are together.
+    pub fn is_settled(&self, effect: &EffectResult) -> bool {
+        self.settled().iter().any(|settled| settled.id == effect.id) || self.settled_kind_of(effect).is_some()
+    }
+
     /// What else the data allow in place of these effects, best first, each with its probability: what shares a group with
     /// one of them, or, where nothing does, other sets.
     pub fn rivals(&self, chosen: &[&EffectResult]) -> Vec<(String, f64)> {

@@ -404,10 +404,8 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
             }
             for effect in selected.iter().filter(|effect| !is_prior(effect)) {
                 let kind = output.kind_of(effect);
-                let is_settled = output.settled().iter().any(|settled| settled.id == effect.id)
-                    || output.settled_kind_of(effect).is_some();
-                let head =
-                    if output.verdict == Verdict::Identified || is_settled { "Missing" } else { "Perhaps missing" };
+                let is_sure = output.verdict == Verdict::Identified || output.is_settled(effect);
+                let head = if is_sure { "Missing" } else { "Perhaps missing" };
                 let number = output.steps.iter().position(|step| step.effect.as_ref() == Some(&effect.id));
                 let (head, errors) = match number {
                     Some(number) => (format!("Step {}, {}", number + 1, lower(head)), falls_to(&output.steps[number])),

@@ -10,7 +10,7 @@ use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
-use crate::report::section::diagnosis::{chance, near_miss, one_of, proposed_first, size};
+use crate::report::section::diagnosis::{chance, kind_or_title, near_miss, one_of, proposed_first, size};
 use crate::thermal::Model;
 
 /// Rivals that a statement names.
@@ -94,26 +94,41 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
             statement("something unknown", text, Some(Status::Fail))
         }
         (_, selected) => {
-            let mut text = Text::default();
-            for (position, effect) in selected.iter().enumerate() {
-                let size = size(effect).map_or_else(String::new, |(name, size)| format!(", {name} {size}"));
-                text = text.plain(if position == 0 { "" } else { "; " }).code(&effect.id).plain(size);
-                if let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) {
-                    let (size, way) = if most >= -least { (most, "into") } else { (-least, "out of") };
-                    let size = with_unit(&significant(size, 2), "W");
-                    text = text.plain(format!(", up to {size} {way} ")).code(&first.node);
-                }
+            let (settled, open): (Vec<&EffectResult>, Vec<&EffectResult>) =
+                selected.iter().partition(|own| output.is_settled(own));
+            // What is sure is the headline, where something is.
+            let (named, perhaps) = if settled.is_empty() { (open, settled) } else { (settled, open) };
+            let mut text = sizes(Text::default(), &named);
+            if !perhaps.is_empty() {
+                text = sizes(text.plain(". Perhaps missing too: "), &perhaps);
             }
-            let Some(before) = proposed_first(output, selected) else {
-                let titles: Vec<&str> = selected.iter().map(|effect| effect.title.as_str()).collect();
-                return statement(&titles.join(" + "), text.plain("."), Some(Status::Caution));
-            };
+            let before = proposed_first(output, selected);
             // A name that a rival beats is no headline.
-            let groups: Vec<String> = selected.iter().map(|effect| one_of(output, effect)).collect();
-            let text = Text::new("Proposed: ").joined(Some(text)).plain("; ");
-            statement(&groups.join(" + "), text.joined(Some(before)).plain("."), Some(Status::Caution))
+            let headline: Vec<String> = match before {
+                Some(_) => named.iter().map(|effect| one_of(output, effect)).collect(),
+                None => named.iter().map(|effect| kind_or_title(output, effect)).collect(),
+            };
+            let text = match before {
+                Some(before) => Text::new("Proposed: ").joined(Some(text)).plain("; ").joined(Some(before)),
+                None => text,
+            };
+            statement(&headline.join(" + "), text.plain("."), Some(Status::Caution))
         }
     }
+}
+
+/// The size of each effect, and the most heat that it gives or takes.
+fn sizes(mut text: Text, effects: &[&EffectResult]) -> Text {
+    for (position, effect) in effects.iter().enumerate() {
+        let size = size(effect).map_or_else(String::new, |(name, size)| format!(", {name} {size}"));
+        text = text.plain(if position == 0 { "" } else { "; " }).code(&effect.id).plain(size);
+        if let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) {
+            let (size, way) = if most >= -least { (most, "into") } else { (-least, "out of") };
+            let size = with_unit(&significant(size, 2), "W");
+            text = text.plain(format!(", up to {size} {way} ")).code(&first.node);
+        }
+    }
+    text
 }
 
 fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
@@ -147,10 +162,21 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
             if output.verdict == Verdict::Ambiguous {
                 let least = selected.iter().map(|effect| effect.probability).fold(model.probability, f64::min);
                 let set_probability = chance(least);
-                (
-                    chance(held(output)),
-                    format!("Probability that it is one of the rivals; of this set {set_probability}.{factor} {wrong}"),
-                )
+                let settled: Vec<f64> = selected.iter().filter_map(|own| settled_probability(output, own)).collect();
+                let of_all = chance(held(output));
+                match settled.iter().copied().reduce(f64::min) {
+                    Some(sure) if settled.len() < selected.len() => (
+                        chance(sure),
+                        format!(
+                            "Probability of what stands here as missing; that all steps are among their rivals {of_all}, of this set \
+                             {set_probability}.{factor} {wrong}"
+                        ),
+                    ),
+                    _ => (
+                        of_all,
+                        format!("Probability that it is one of the rivals; of this set {set_probability}.{factor} {wrong}"),
+                    ),
+                }
             } else {
                 let probability = probability_of_set(model.probability, selected);
                 let of = if selected.len() == 1 { "Probability that it is missing" } else { "Probability of this set" };
@@ -160,6 +186,12 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
     };
     let label = format!("How sure: {}", output.verdict.word());
     Statement { label, value, text: text.into(), status: None }
+}
+
+/// How probable a selected effect is that is settled, or what all laws of its group are; `None` of others.
+fn settled_probability(output: &Output, own: &EffectResult) -> Option<f64> {
+    let kind = output.settled_kind_of(own).map(|kind| kind.probability);
+    kind.or_else(|| output.is_settled(own).then_some(own.probability))
 }
 
 /// Probability of a set: of a single effect its own, whatever else may be missing; else that of the set among those that were fitted, at most

@@ -84,11 +84,8 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
         }
         (Verdict::Unexplained, _) | (_, []) => text.plain(unexplained(output)),
         (verdict, _) => {
-            let all_settled = output.settled();
-            let is_settled = |effect: &&EffectResult| {
-                all_settled.iter().any(|own| own.id == effect.id) || output.settled_kind_of(effect).is_some()
-            };
-            let (settled, open): (Vec<&EffectResult>, Vec<&EffectResult>) = selected.iter().partition(|own| is_settled(own));
+            let (settled, open): (Vec<&EffectResult>, Vec<&EffectResult>) =
+                selected.iter().partition(|own| output.is_settled(own));
             let is_partly = verdict == Verdict::Ambiguous && !settled.is_empty() && !open.is_empty();
             let each = |mut text: Text, effects: &[&EffectResult]| {
                 for (position, effect) in effects.iter().enumerate() {
@@ -97,9 +94,11 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                 }
                 text
             };
+            let is_kind_alone = verdict == Verdict::Ambiguous && open.is_empty() && output.settled().len() < settled.len();
+            let begin = if is_partly || is_kind_alone { text.plain("missing is ") } else { text };
             let mut text = match is_partly {
-                true => each(each(text.plain("missing is "), &settled).plain("; open is "), &open),
-                false => each(text, &selected),
+                true => each(each(begin, &settled).plain("; open is "), &open),
+                false => each(begin, &selected),
             };
             let before = proposed_first(output, &selected);
             let model = output.models.iter().find(|model| {
