@@ -30,6 +30,10 @@ const LEAST_RUN: f64 = 8.0;
 const LEAST_HELD: usize = 3;
 /// Share of a channel's step by which changes of whole steps may differ from multiples of it.
 const OF_A_STEP: f64 = 0.1;
+/// Largest share of successive readings that repeat, and least share of changes that turn back, of a channel whose noise shows in every
+/// row. Of independent noise two thirds turn. Eight readings of one value then come by chance once in 10^9.
+const REPEATS: f64 = 0.05;
+const TURNS: f64 = 1.0 / 3.0;
 /// Times that such a stretch is longer than nine of ten stretches of the channel.
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
@@ -201,8 +205,22 @@ pub(crate) fn is_near_step(steps: &[usize], row: usize) -> bool {
     steps.get(next).is_some_and(|&step| step <= row + BEFORE_STEP)
 }
 
-/// Positions of readings in stretches of one value that are far longer than others of the channel, while the model moves, and by far
-/// more than it errs elsewhere: the channel froze, or was at the end of its range. Of each stretch the first reading may be right.
+/// Whether the noise of a channel shows in every row: outside some of its stretches of one value readings hardly repeat, and changes turn
+/// back. What is level has noise too there, whatever holds it.
+fn shows_noise(readings: &[f64], is_in_stretch: impl Fn(usize) -> bool) -> bool {
+    let changes: Vec<f64> = (1..readings.len())
+        .filter(|&at| !is_in_stretch(at - 1) && !is_in_stretch(at))
+        .map(|at| readings[at] - readings[at - 1])
+        .collect();
+    let repeats = changes.iter().filter(|change| **change == 0.0).count() as f64;
+    let moving: Vec<f64> = changes.iter().copied().filter(|change| *change != 0.0).collect();
+    let turns = moving.windows(2).filter(|two| (two[0] > 0.0) != (two[1] > 0.0)).count() as f64;
+    (repeats + 1.0) / (changes.len() as f64 + 1.0) <= REPEATS && turns >= TURNS * (moving.len() as f64 - 1.0)
+}
+
+/// Positions of readings in stretches of one value that are far longer than others of the channel, where its noise shows in all other rows,
+/// or while the model moves, and by far more than it errs elsewhere: the channel froze, or was at the end of its range. Of each stretch the
+/// first reading may be right.
 pub fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let runs: Vec<(usize, usize)> = (readings.chunk_by(|a, b| a == b))
         .scan(0, |at, run| {
@@ -235,9 +253,12 @@ pub fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
         });
         ends[1] - ends[0] > f64::max(MOVES * scale, BEYOND_ERRORS * usual_error)
     };
-    let is_frozen = |run: &&(usize, usize)| is_long(run) && moves(run);
-    let frozen_rows: Vec<usize> =
-        runs.iter().filter(is_frozen).flat_map(|&(first, length)| first + 1..first + length).collect();
+    let long: Vec<(usize, usize)> = runs.iter().filter(is_long).copied().collect();
+    let is_in_stretch = |at: usize| long.iter().any(|&(first, length)| (first..first + length).contains(&at));
+    let has_noise = !long.is_empty() && shows_noise(readings, is_in_stretch);
+    let frozen_rows: Vec<usize> = (long.iter().filter(|run| has_noise || moves(run)))
+        .flat_map(|&(first, length)| first + 1..first + length)
+        .collect();
     if frozen_rows.len() as f64 > MOST_FROZEN * readings.len() as f64 { Vec::new() } else { frozen_rows }
 }
 

@@ -23,6 +23,8 @@ use crate::measurement::{Doubt, Measurement, Rows};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
+/// Rows that are named of one sensor.
+const NAMED: usize = 3;
 /// Digits of the time of a reading, by which its row is found.
 const TIME_DIGITS: usize = 6;
 
@@ -87,6 +89,20 @@ fn row_in_words(measurement: &Measurement, row: usize) -> String {
         Rows::Transient { inputs, .. } => {
             let (length, unit) = unit_of_time(inputs.longest_s());
             format!("{} {unit}", rounded(inputs.times_s[row] / length, TIME_DIGITS))
+        }
+    }
+}
+
+/// Where readings of a sensor are, in the order of rows: from when to when in a stretch without a gap, else the first few.
+fn rows_in_words(measurement: &Measurement, readings: &[LeftOut]) -> String {
+    let row = |one: &LeftOut| row_in_words(measurement, one.row);
+    match readings {
+        [first, .., last] if readings.len() > NAMED && last.row - first.row + 1 == readings.len() => {
+            format!("{} to {}", row(first), row(last))
+        }
+        _ => {
+            let named = readings.iter().take(NAMED).map(row).collect::<Vec<_>>().join(", ");
+            if readings.len() > NAMED { format!("{named}, ...") } else { named }
         }
     }
 }
@@ -325,11 +341,11 @@ impl Diagnosis {
                 measurement.name,
                 of_measurement
                     .iter()
-                    .take(3)
+                    .take(NAMED)
                     .map(|one| row_in_words(measurement, one.row))
                     .collect::<Vec<_>>()
                     .join(", "),
-                if of_measurement.len() > 3 { ", ..." } else { "" },
+                if of_measurement.len() > NAMED { ", ..." } else { "" },
             );
             Doubt {
                 code: TOGETHER.name.to_owned(),
@@ -351,12 +367,11 @@ impl Diagnosis {
             let [stand, are, most_word] =
                 if of_sensor.len() == 1 { ["stands", "is", "by"] } else { ["stand", "are", "by up to"] };
             let message = format!(
-                "{} of {} in {} ({}{}) {stand} out from what all others say, {most_word} {most:.2} {}, and {are} left out",
+                "{} of {} in {} ({}) {stand} out from what all others say, {most_word} {most:.2} {}, and {are} left out",
                 counted(of_sensor.len(), "reading"),
                 sensor.name,
                 measurement.name,
-                of_sensor.iter().take(3).map(|one| row_in_words(measurement, one.row)).collect::<Vec<_>>().join(", "),
-                if of_sensor.len() > 3 { ", ..." } else { "" },
+                rows_in_words(measurement, of_sensor),
                 problem.model.quantities[sensor.quantity].unit,
             );
             Doubt {

@@ -152,3 +152,27 @@ fn whole_steps_are_the_resolution_of_a_channel_that_repeats_itself() {
     assert!((step - 0.01).abs() < 1e-9, "{step}");
     assert_eq!((resolution(&[5.0; 9]), resolution(&[])), (0.0, 0.0), "it shows no step");
 }
+
+/// A channel whose noise shows in every row never repeats a value eight times, be the hardware as level as it may. One whose readings are
+/// coarse, or follow one another smoothly, does so on a plateau.
+#[test]
+fn a_channel_with_noise_in_every_row_is_frozen_where_it_shows_one_value() {
+    let mut stream = StreamKey::new(6, "test", "level").stream(0);
+    let rounded = |value: f64, step: f64| (value / step).round() * step;
+    let noise: Vec<f64> = (0..200).map(|_| 0.1 * stream.normal()).collect();
+    // The model errs by 2 K and is level.
+    let level = |readings: &[f64]| readings.iter().map(|reading| reading - 302.0).collect::<Vec<f64>>();
+    let with_stretch = |mut readings: Vec<f64>| {
+        let held = readings[120];
+        readings[120..140].fill(held);
+        readings
+    };
+    let fine = with_stretch(noise.iter().map(|own| rounded(300.0 + own, 0.001)).collect());
+    assert_eq!(frozen(&level(&fine), &fine), (121..140).collect::<Vec<_>>());
+    let short: Vec<f64> = fine[..120].iter().chain(&fine[133..]).copied().collect();
+    assert!(frozen(&level(&short), &short).is_empty(), "seven readings of one value");
+    let coarse = with_stretch(noise.iter().map(|own| rounded(300.0 + own, 0.2)).collect());
+    assert!(frozen(&level(&coarse), &coarse).is_empty(), "readings repeat anywhere");
+    let smooth = with_stretch((0..200).map(|row| 300.0 + 0.01 * f64::from(row)).collect());
+    assert!(frozen(&level(&smooth), &smooth).is_empty(), "a plateau between two ramps, and no noise");
+}
