@@ -323,6 +323,24 @@ fn a_missing_hidden_node_is_drawn_as_a_node_with_its_conductance() {
     has(&drawing.replace('\u{A0}', " "), &["\nhidden node\n", "missing: hidden node, 0.0491 ± 0.0031 W/K"]);
 }
 
+/// What a whole surface loses has no one node: it is drawn where most of it goes, and says that it is not there alone.
+#[test]
+fn a_missing_effect_of_a_group_is_drawn_where_it_carries_most() {
+    let mut sample = diagnosed("identified");
+    let is_one = edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        let effect = &mut output.effects[0];
+        (effect.id, effect.effect) = ("radiation-to-ambient:panels".into(), "radiation-to-ambient".into());
+        (effect.place, effect.where_kind) = (vec!["panels".into()], "group".into());
+        output.selected = vec!["radiation-to-ambient:panels".into()];
+        output.models[0].effects.clone_from(&output.selected);
+    });
+    assert!(is_one, "a diagnosis");
+    let report = rendered(&sample);
+    let drawing = &report.figures.iter().find(|figure| figure.0 == "network").expect("a network").1;
+    assert_well_formed(drawing);
+    has(&drawing.replace(['\u{A0}', '\n'], " "), &["missing at all of", "panels: radiation to"]);
+}
+
 #[test]
 fn what_nothing_explains_is_shown_as_heat_by_node_and_phase() {
     let (summary, own) = reported("unexplained");

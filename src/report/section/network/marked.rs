@@ -1,6 +1,7 @@
 //! What the picture of a network marks: paths and heat that a diagnosis finds missing, and elements of adopted effects.
 
 use crate::diagnosis::output::EffectResult;
+use crate::effect::candidate::GROUP;
 use crate::job::diagnose;
 use crate::report::number::{significant, with_unit};
 use crate::report::plot::{Diagram, Missing, Path};
@@ -64,7 +65,15 @@ fn ends(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) ->
     Some(ends.into_iter().map(place).collect())
 }
 
-/// A missing effect between two nodes or at one, or on an element there; others, as of a sensor or a parameter, have no place in a network.
+/// The box of the node to which an effect of a group gives most heat, or from which it takes most; `None` of other effects.
+fn most_of_group(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) -> usize) -> Option<Vec<usize>> {
+    let most = effect.carries.first().filter(|_| effect.where_kind == GROUP)?;
+    let node = report.model.nodes.iter().position(|node| node.name == most.node)?;
+    Some(vec![place(node)])
+}
+
+/// A missing effect between two nodes or at one, on an element there, or of a group, which stands where it carries most; others, as of a
+/// sensor or a parameter, have no place in a network.
 fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) -> usize) -> Option<Missing> {
     let nodes: Option<Vec<usize>> = (effect.place.iter())
         .map(|name| report.model.nodes.iter().position(|node| node.name == *name).map(&place))
@@ -77,9 +86,13 @@ fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize)
     // Of a node its coupling counts: heat that it stores goes to and fro.
     let coupling = effect.amplitudes.get("conductance").filter(|_| is_node);
     let size = coupling.map_or(watts, |size| format!(", {}", amount(size)));
-    let label = format!("missing: {}{size}", effect.effect.replace('-', " "));
+    let of_all = match effect.place.first().filter(|_| effect.where_kind == GROUP) {
+        Some(group) => format!(" at all of {group}"),
+        None => String::new(),
+    };
+    let label = format!("missing{of_all}: {}{size}", effect.effect.replace('-', " "));
     let path = path_of(&effect.effect);
-    let nodes = nodes.or_else(|| ends(report, effect, &place))?;
+    let nodes = nodes.or_else(|| most_of_group(report, effect, &place)).or_else(|| ends(report, effect, &place))?;
     match (if nodes.len() == 2 { "nodes" } else { "node" }, nodes.as_slice()) {
         ("nodes", &[from, to]) if from != to => Some(Missing { label, path, from, to, is_node }),
         ("node", &[at]) => Some(Missing { label, path, from: at, to: at, is_node }),
