@@ -235,12 +235,17 @@ impl Diagnosis {
         }
     }
 
-    /// Log evidences and log posterior weights of the sets, each with the model error that is most likely beside it.
+    /// Log evidences and log posterior weights of the sets, each with the model error that is most likely beside it; minus infinity where an
+    /// effect does nothing, as a set without it was fitted too.
     pub(crate) fn log_weights_of_story(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
         let mut logs = vec![f64::NEG_INFINITY; state.refits.len()];
         let mut evidences = logs.clone();
         let Some((first, instruments)) = self.reference(state) else { return (evidences, logs) };
-        for one in self.beside_sets(state, &instruments) {
+        let does_something = |place: usize| {
+            let refit = &state.refits[place];
+            !refit.effects.iter().any(|&effect| refit.does_nothing(effect))
+        };
+        for one in self.beside_sets(state, &instruments).into_iter().filter(|one| does_something(one.place)) {
             let inputs = |&effect: &usize| self.problem().candidates[effect].bound.len().saturating_sub(1) as f64;
             let owed: f64 = alike(self.problem()).map(|alike| owes_more(one.sds[alike[0]], first.sds[alike[0]])).sum();
             let more: f64 = state.refits[one.place].effects.iter().map(inputs).sum();
