@@ -63,6 +63,11 @@ fn adoption(output: &Output, adopt: &str) -> Option<String> {
     let settled = output.settled();
     if settled.is_empty() {
         let ids = words(&proposed);
+        if proposed.iter().all(|effect| output.is_settled(effect)) {
+            return Some(format!(
+                "what is missing is settled, its law is open; adopt the law that you know, as in {adopt} {ids}"
+            ));
+        }
         return Some(format!("these data leave it open; what you choose is adopted by name, as in {adopt} {ids}"));
     }
     let all: Vec<&EffectResult> = output.selected.iter().filter_map(|id| output.effect(id)).collect();

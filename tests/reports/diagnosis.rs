@@ -1,7 +1,7 @@
 //! What reports say of a diagnosis: on the first screen and in its own section.
 
 use bmv::diagnosis::Output;
-use bmv::diagnosis::output::{GroupKind, Precedence};
+use bmv::diagnosis::output::{EffectHeat, GroupKind, Precedence};
 use bmv::job::diagnose::Kind;
 use serde_json::{Value, json};
 
@@ -187,6 +187,14 @@ fn what_all_laws_of_a_group_are_is_said_before_the_one_that_is_proposed() {
     has(&own, &[&format!("**ambiguous**: missing is {path}, whose law is open.")]);
     let proposed = "whose law the data do not tell; proposed, with a probability of 52.0 %: **Path** between `baseplate` and `board`";
     has(&summary, &[&format!("missing is {path} (97.0 %), {proposed}"), "A path for heat between baseplate and board"]);
+    has(
+        &summary,
+        &[
+            "whose law is open, as a proposal `conductive-path:baseplate:board`",
+            "97.0 %",
+            "Probability of what is called missing",
+        ],
+    );
     let (summary, own) = shown(0.6);
     assert!(!summary.contains("missing is") && !own.contains("missing is"), "{summary}{own}");
     has(&summary, &[&format!("**ambiguous**: {path} (60.0 %), {proposed}")]);
@@ -331,6 +339,7 @@ fn a_missing_effect_of_a_group_is_drawn_where_it_carries_most() {
         let effect = &mut output.effects[0];
         (effect.id, effect.effect) = ("radiation-to-ambient:panels".into(), "radiation-to-ambient".into());
         (effect.place, effect.where_kind) = (vec!["panels".into()], "group".into());
+        effect.carries.retain(|own| own.node == "board");
         output.selected = vec!["radiation-to-ambient:panels".into()];
         output.models[0].effects.clone_from(&output.selected);
     });
@@ -338,7 +347,19 @@ fn a_missing_effect_of_a_group_is_drawn_where_it_carries_most() {
     let report = rendered(&sample);
     let drawing = &report.figures.iter().find(|figure| figure.0 == "network").expect("a network").1;
     assert_well_formed(drawing);
-    has(&drawing.replace(['\u{A0}', '\n'], " "), &["missing at all of", "panels: radiation to"]);
+    has(&drawing.replace(['\u{A0}', '\n'], " "), &["missing at all of", "panels: radiation to", "up to 2.0 W here"]);
+    assert!(edit::<Kind>(sample.results.last_mut().expect("a job"), |output| {
+        let back = output.effects[0].carries.iter().map(|own| EffectHeat {
+            node: "baseplate".into(),
+            watts: -own.watts,
+            ..own.clone()
+        });
+        let back: Vec<EffectHeat> = back.collect();
+        output.effects[0].carries.extend(back);
+    }));
+    let report = rendered(&sample);
+    let drawing = &report.figures.iter().find(|figure| figure.0 == "network").expect("a network").1;
+    assert!(!drawing.contains("missing at all"), "what goes from node to node is no heat at one: {drawing}");
 }
 
 #[test]

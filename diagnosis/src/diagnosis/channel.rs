@@ -30,8 +30,10 @@ const LEAST_RUN: f64 = 8.0;
 const LEAST_HELD: usize = 3;
 /// Share of a channel's step by which changes of whole steps may differ from multiples of it.
 const OF_A_STEP: f64 = 0.1;
-/// Largest share of successive readings that repeat, and least share of changes that turn back, of a channel whose noise shows in every
-/// row. Of independent noise two thirds turn. Eight readings of one value then come by chance once in 10^9.
+/// Fewest rows on a side of a stretch of one value that show whether a channel has noise in every row.
+const LEAST_BESIDE: usize = 40;
+/// Largest share of successive readings that repeat, and least share of changes that turn back, where noise shows in every row. Of
+/// independent noise two thirds turn. Eight readings of one value then come by chance once in 10^9.
 const REPEATS: f64 = 0.05;
 const TURNS: f64 = 1.0 / 3.0;
 /// Times that such a stretch is longer than nine of ten stretches of the channel.
@@ -205,22 +207,33 @@ pub(crate) fn is_near_step(steps: &[usize], row: usize) -> bool {
     steps.get(next).is_some_and(|&step| step <= row + BEFORE_STEP)
 }
 
-/// Whether the noise of a channel shows in every row: outside some of its stretches of one value readings hardly repeat, and changes turn
-/// back. What is level has noise too there, whatever holds it.
-fn shows_noise(readings: &[f64], is_in_stretch: impl Fn(usize) -> bool) -> bool {
-    let changes: Vec<f64> = (1..readings.len())
-        .filter(|&at| !is_in_stretch(at - 1) && !is_in_stretch(at))
-        .map(|at| readings[at] - readings[at - 1])
-        .collect();
-    let repeats = changes.iter().filter(|change| **change == 0.0).count() as f64;
-    let moving: Vec<f64> = changes.iter().copied().filter(|change| *change != 0.0).collect();
-    let turns = moving.windows(2).filter(|two| (two[0] > 0.0) != (two[1] > 0.0)).count() as f64;
-    (repeats + 1.0) / (changes.len() as f64 + 1.0) <= REPEATS && turns >= TURNS * (moving.len() as f64 - 1.0)
+/// Whether a channel's noise shows in every row beside a stretch of one value, on each side that has rows enough: readings hardly repeat,
+/// changes turn back, are as large there as elsewhere (`usual`, the median), and are not what the model predicts. What comes to rest by
+/// itself is approached by ever smaller changes, and what a heater or the weather moves, the model moves too.
+fn shows_noise_beside(errors: &[f64], readings: &[f64], (first, length): (usize, usize), usual: f64) -> bool {
+    let span = length.max(LEAST_BESIDE);
+    let after = first + length - 1;
+    let sides = [first.saturating_sub(span)..first + 1, after..readings.len().min(after + span + 1)];
+    let is_noisy = |side: &Range<usize>| {
+        let rows = || side.clone().skip(1);
+        let changes: Vec<f64> = rows().map(|at| readings[at] - readings[at - 1]).collect();
+        let of_model = rows().map(|at| (readings[at] - errors[at] - readings[at - 1] + errors[at - 1]).abs()).collect();
+        let moving: Vec<f64> = changes.iter().copied().filter(|change| *change != 0.0).collect();
+        let repeats = (changes.len() - moving.len()) as f64;
+        let turns = moving.windows(2).filter(|two| (two[0] > 0.0) != (two[1] > 0.0)).count() as f64;
+        let typical = median(changes.iter().map(|change| change.abs()).collect()).unwrap_or(0.0);
+        (repeats + 1.0) / (changes.len() as f64 + 1.0) <= REPEATS
+            && turns >= TURNS * (moving.len() as f64 - 1.0)
+            && typical >= 0.5 * usual
+            && median(of_model).unwrap_or(f64::INFINITY) <= 0.5 * typical
+    };
+    let mut long_enough = sides.iter().filter(|side| side.len() > LEAST_BESIDE).peekable();
+    long_enough.peek().is_some() && long_enough.all(is_noisy)
 }
 
-/// Positions of readings in stretches of one value that are far longer than others of the channel, where its noise shows in all other rows,
-/// or while the model moves, and by far more than it errs elsewhere: the channel froze, or was at the end of its range. Of each stretch the
-/// first reading may be right.
+/// Positions of readings in stretches of one value that are far longer than others of the channel, where its noise shows in every row beside
+/// them, or while the model moves, and by far more than it errs elsewhere: the channel froze, or was at the end of its range. Of each stretch
+/// the first reading may be right.
 pub fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
     let runs: Vec<(usize, usize)> = (readings.chunk_by(|a, b| a == b))
         .scan(0, |at, run| {
@@ -254,9 +267,13 @@ pub fn frozen(errors: &[f64], readings: &[f64]) -> Vec<usize> {
         ends[1] - ends[0] > f64::max(MOVES * scale, BEYOND_ERRORS * usual_error)
     };
     let long: Vec<(usize, usize)> = runs.iter().filter(is_long).copied().collect();
-    let is_in_stretch = |at: usize| long.iter().any(|&(first, length)| (first..first + length).contains(&at));
-    let has_noise = !long.is_empty() && shows_noise(readings, is_in_stretch);
-    let frozen_rows: Vec<usize> = (long.iter().filter(|run| has_noise || moves(run)))
+    let mut is_in_stretch = vec![false; readings.len()];
+    long.iter().for_each(|&(first, length)| is_in_stretch[first..first + length].fill(true));
+    let outside =
+        (1..readings.len()).filter(|&at| !is_in_stretch[at]).map(|at| (readings[at] - readings[at - 1]).abs());
+    let usual_change = median(outside.collect()).unwrap_or(f64::INFINITY);
+    let shows_noise = |run: &(usize, usize)| shows_noise_beside(errors, readings, *run, usual_change);
+    let frozen_rows: Vec<usize> = (long.iter().filter(|run| moves(run) || shows_noise(run)))
         .flat_map(|&(first, length)| first + 1..first + length)
         .collect();
     if frozen_rows.len() as f64 > MOST_FROZEN * readings.len() as f64 { Vec::new() } else { frozen_rows }

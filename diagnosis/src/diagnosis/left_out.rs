@@ -39,6 +39,8 @@ pub struct LeftOut {
     pub sensor: usize,
     /// Reading minus what the others say, SI.
     pub off: f64,
+    /// Whether it is in a stretch of one value, in which its channel froze.
+    pub frozen: bool,
 }
 
 /// An excursion that several sensors of a measurement show, and that stays in.
@@ -70,12 +72,14 @@ fn all_errors(problem: &Problem, refit: &Refit) -> Vec<LeftOut> {
         row: reading.row,
         sensor: reading.sensor,
         off: *error,
+        frozen: false,
     });
     let unseen = refit.held_out.iter().map(|reading| LeftOut {
         measurement: reading.measurement,
         row: reading.row,
         sensor: reading.sensor,
         off: reading.error,
+        frozen: false,
     });
     let mut all: Vec<LeftOut> = fitted.chain(unseen).collect();
     sort_by_key(&mut all, |one| (one.measurement, one.sensor, one.row));
@@ -207,7 +211,7 @@ impl Problem {
                 for own in &series {
                     let sd = measurement.sensors[own.of[0].sensor].total_sd();
                     let stuck = stuck(&own.errors, &own.readings, sd, step_of(own.of[0].measurement));
-                    faults.extend(stuck.into_iter().map(|at| own.of[at]));
+                    faults.extend(stuck.into_iter().map(|at| LeftOut { frozen: true, ..own.of[at] }));
                 }
                 continue;
             }
@@ -225,10 +229,11 @@ impl Problem {
                 }
             }
             for (own, mut faulty) in series.iter().zip(spike_rows) {
-                faulty.extend(frozen(&own.errors, &own.readings));
+                let frozen: BTreeSet<usize> = frozen(&own.errors, &own.readings).into_iter().collect();
+                faulty.extend(&frozen);
                 faulty.sort_unstable();
                 faulty.dedup();
-                faults.extend(faulty.into_iter().map(|at| own.of[at]));
+                faults.extend(faulty.into_iter().map(|at| LeftOut { frozen: frozen.contains(&at), ..own.of[at] }));
             }
         }
         (faults, excursions)
@@ -359,20 +364,31 @@ impl Diagnosis {
     /// What is said of readings that were left out, a sensor a sentence.
     pub(crate) fn doubts_of(&self, left_out: &[LeftOut]) -> Vec<Doubt> {
         let problem = self.problem();
-        let series = left_out.chunk_by(|a, b| (a.measurement, a.sensor) == (b.measurement, b.sensor));
+        let of = |one: &LeftOut| (one.measurement, one.sensor, one.frozen);
+        let series = left_out.chunk_by(|a, b| of(a) == of(b));
         let one = |of_sensor: &[LeftOut]| {
             let measurement = &problem.measurements[of_sensor[0].measurement];
             let sensor = &measurement.sensors[of_sensor[0].sensor];
             let most = of_sensor.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
-            let [stand, are, most_word] =
-                if of_sensor.len() == 1 { ["stands", "is", "by"] } else { ["stand", "are", "by up to"] };
+            let [stand, repeat, are, most_word] = match of_sensor.len() {
+                1 => ["stands", "repeats", "is", "by"],
+                _ => ["stand", "repeat", "are", "by up to"],
+            };
+            let unit = &problem.model.quantities[sensor.quantity].unit;
+            let why = match of_sensor[0].frozen {
+                true => {
+                    format!("{repeat} the value before: the channel froze, or its logger repeated it; {are} left out")
+                }
+                false => {
+                    format!("{stand} out from what all others say, {most_word} {most:.2} {unit}, and {are} left out")
+                }
+            };
             let message = format!(
-                "{} of {} in {} ({}) {stand} out from what all others say, {most_word} {most:.2} {}, and {are} left out",
+                "{} of {} in {} ({}) {why}",
                 counted(of_sensor.len(), "reading"),
                 sensor.name,
                 measurement.name,
                 rows_in_words(measurement, of_sensor),
-                problem.model.quantities[sensor.quantity].unit,
             );
             Doubt {
                 code: OUTLYING.name.to_owned(),

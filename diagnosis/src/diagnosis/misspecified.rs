@@ -236,16 +236,18 @@ impl Diagnosis {
     }
 
     /// Log evidences and log posterior weights of the sets, each with the model error that is most likely beside it; minus infinity where an
-    /// effect does nothing, as a set without it was fitted too.
+    /// effect does nothing and the set without it was fitted too.
     pub(crate) fn log_weights_of_story(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
         let mut logs = vec![f64::NEG_INFINITY; state.refits.len()];
         let mut evidences = logs.clone();
         let Some((first, instruments)) = self.reference(state) else { return (evidences, logs) };
-        let does_something = |place: usize| {
+        let is_smaller_set = |place: usize| {
             let refit = &state.refits[place];
-            !refit.effects.iter().any(|&effect| refit.does_nothing(effect))
+            let rest: Vec<usize> =
+                refit.effects.iter().copied().filter(|&effect| !refit.does_nothing(effect)).collect();
+            rest.len() < refit.effects.len() && state.refits.iter().any(|other| other.effects == rest)
         };
-        for one in self.beside_sets(state, &instruments).into_iter().filter(|one| does_something(one.place)) {
+        for one in self.beside_sets(state, &instruments).into_iter().filter(|one| !is_smaller_set(one.place)) {
             let inputs = |&effect: &usize| self.problem().candidates[effect].bound.len().saturating_sub(1) as f64;
             let owed: f64 = alike(self.problem()).map(|alike| owes_more(one.sds[alike[0]], first.sds[alike[0]])).sum();
             let more: f64 = state.refits[one.place].effects.iter().map(inputs).sum();

@@ -294,9 +294,9 @@ pub struct GroupKind {
     pub group: u64,
     /// What they are, names in backticks: a loss of heat from `bar` to its surroundings.
     pub what: String,
-    /// What of it the readings leave open, as a relative pronoun goes on: whose law.
+    /// What the readings leave open of it, as the beginning of a relative clause: whose law.
     pub open: String,
-    /// Probability that one of them is missing.
+    /// Probability that one of them is missing, 0 to 1.
     pub probability: f64,
 }
 

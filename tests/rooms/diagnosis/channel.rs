@@ -175,4 +175,40 @@ fn a_channel_with_noise_in_every_row_is_frozen_where_it_shows_one_value() {
     assert!(frozen(&level(&coarse), &coarse).is_empty(), "readings repeat anywhere");
     let smooth = with_stretch((0..200).map(|row| 300.0 + 0.01 * f64::from(row)).collect());
     assert!(frozen(&level(&smooth), &smooth).is_empty(), "a plateau between two ramps, and no noise");
+    let to_the_end = |mut readings: Vec<f64>, from: usize| {
+        let held = readings[from];
+        readings[from..].fill(held);
+        readings
+    };
+    let stopped = to_the_end(noise.iter().map(|own| rounded(300.0 + own, 0.001)).collect(), 120);
+    assert_eq!(frozen(&level(&stopped), &stopped), (121..200).collect::<Vec<_>>());
+}
+
+/// What moves to and fro by itself and comes to rest is no channel with noise: a heater's cycles that die down, days of weather above ground
+/// that snow covers, a second logger that repeats each reading.
+#[test]
+fn what_comes_to_rest_by_itself_is_not_frozen() {
+    let mut stream = StreamKey::new(7, "test", "rest").stream(0);
+    let rounded = |value: f64, step: f64| (value / step).round() * step;
+    let cycles =
+        |row: u32| if row < 120 { 2.0 * f64::from((row % 4) / 2) } else { 2.0 * exp(-f64::from(row - 119) / 8.0) };
+    let heater: Vec<f64> = (0..240).map(|row| rounded(300.0 + cycles(row), 0.1)).collect();
+    let wrong: Vec<f64> = heater.iter().map(|reading| reading - 303.0).collect();
+    assert!(frozen(&wrong, &heater).is_empty(), "a model that lacks the heater");
+    // The model has the weather, and lacks the snow.
+    let weather: Vec<f64> = (0..200).map(|_| 2.0 * stream.normal()).collect();
+    let ground: Vec<f64> = weather
+        .iter()
+        .enumerate()
+        .map(|(day, own)| if day < 120 { rounded(275.0 + own, 0.1) } else { 273.2 })
+        .collect();
+    let snow: Vec<f64> = ground.iter().zip(&weather).map(|(reading, own)| reading - 279.0 - 0.8 * own).collect();
+    assert!(frozen(&snow, &ground).is_empty(), "days of weather, then snow");
+    let mut slower: Vec<f64> = (0..200).map(|_| rounded(300.0 + 0.1 * stream.normal(), 0.001)).collect();
+    for block in slower[100..].chunks_mut(10) {
+        let held = block[0];
+        block.fill(held);
+    }
+    let level: Vec<f64> = slower.iter().map(|reading| reading - 300.0).collect();
+    assert!(frozen(&level, &slower).is_empty(), "each reading ten times");
 }

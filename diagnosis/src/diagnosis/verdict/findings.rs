@@ -128,7 +128,7 @@ impl Findings<'_> {
     }
 
     /// The step that adds an effect.
-    fn story_step_of(&self, effect: usize) -> Option<&Step> {
+    pub(super) fn story_step_of(&self, effect: usize) -> Option<&Step> {
         let adds = |step: &&Step| step.chosen.and_then(|place| added(self.state, step.before, place)) == Some(effect);
         self.story.as_ref()?.steps.iter().find(adds)
     }

@@ -1,9 +1,8 @@
 //! What the effects of a group are together, where they are laws of one and the same thing: a loss of one node, heat into it, a path,
 //! a conductance, a store of heat or a sensor. The effects' files say what each adds, their places where.
 
-use std::collections::BTreeMap;
-
 use crate::diagnosis::Problem;
+use crate::diagnosis::odds::posterior_odds::held;
 use crate::diagnosis::output::{EffectResult, GroupKind};
 use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::numbers::or_joined;
@@ -103,7 +102,7 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<(String,
             heat(&place(own), effects, &exchanged)
         }
         Changed::Store(_) if all.iter().all(|changed| matches!(changed, Changed::Store(_))) && differ => {
-            ("heat that is stored beside what the model stores".to_owned(), "where and which way")
+            ("a heat capacity that the model lacks".to_owned(), "whose place and coupling")
         }
         _ if differ => return None,
         Changed::Path(ends) => {
@@ -113,7 +112,9 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<(String,
         Changed::Conductance(_) => {
             (format!("a change of the conductance of `{}`", first.place.join("`, `")), "whose cause")
         }
-        Changed::Store(nodes) => (format!("heat that is stored at {}", place(nodes)), "whose way"),
+        Changed::Store(nodes) => {
+            (format!("a heat capacity that the model lacks at {}", place(nodes)), "whose coupling")
+        }
         Changed::Reading(_) => (format!("a fault of the readings of `{}`", first.place.join("` and `")), "whose kind"),
     };
     Some((what, open))
@@ -150,21 +151,32 @@ impl Findings<'_> {
         stated.filter(|other| other.id == self.id(first) || !selected.contains(&other.id)).collect()
     }
 
-    /// What the groups are together of which all effects are laws of one thing. An effect that is in several groups counts in the first
-    /// one alone, so that no probability counts twice.
+    /// What the groups are together of which all effects are laws of one thing.
     pub(super) fn kinds(&self, effects: &[EffectResult], selected: &[String]) -> Vec<GroupKind> {
-        let mut counted: BTreeMap<&str, usize> = BTreeMap::new();
-        let mut kinds = Vec::new();
-        for group in 0..self.groups.len() {
+        let kind = |group: usize| {
             let members = self.laws_of_group(group, effects, selected);
-            let own = members.iter().filter(|own| *counted.entry(own.id.as_str()).or_insert(group) == group);
-            let probability = own.map(|own| own.probability).sum::<f64>().min(1.0);
-            if let Some((what, open)) = one_kind(&members, self.problem) {
-                let group = group as u64 + 1;
-                kinds.push(GroupKind { group, what, open: open.to_owned(), probability });
-            }
-        }
-        kinds
+            let (what, open) = one_kind(&members, self.problem)?;
+            let position = |own: &&EffectResult| self.groups[group].iter().copied().find(|&one| self.id(one) == own.id);
+            let members: Vec<usize> = members.iter().filter_map(position).collect();
+            let probability = self.probability_of_any(&members);
+            Some(GroupKind { group: group as u64 + 1, what, open: open.to_owned(), probability })
+        };
+        (0..self.groups.len()).filter_map(kind).collect()
+    }
+
+    /// Probability that one of the effects of a group is missing, the leading one first: with steps, of those that may be added at its
+    /// step; else of the sets with any of them. What errors of the model have of each is not theirs.
+    fn probability_of_any(&self, members: &[usize]) -> f64 {
+        let Some(&first) = members.first() else { return 0.0 };
+        let Some(step) = self.story_step_of(first) else {
+            let any = held(&self.state.refits, &self.weights, &[members.to_vec()]);
+            return self.unless_model_error(first, any);
+        };
+        let of_step = |&member: &usize| {
+            let added = step.additions.iter().find(|one| one.effect == member).map_or(1.0, |one| one.probability);
+            self.probability(member).min(self.unless_model_error(member, added))
+        };
+        members.iter().map(of_step).sum::<f64>().min(1.0 - step.stays)
     }
 }
 
@@ -177,7 +189,7 @@ fn heat(place: &str, effects: &[&EffectResult], exchanged: &[bool]) -> (String, 
         return (format!("a loss of heat from {place}{to}"), "whose law");
     }
     if !with_surroundings {
-        return (format!("heat in {place}"), "whose course");
+        return (format!("heat dissipated in {place}"), "whose dependence on time and inputs");
     }
     if exchanged.contains(&false) {
         return (format!("heat into or out of {place}"), "whose law");

@@ -176,7 +176,11 @@ impl Diagnosis {
         let position = refit.effects.iter().position(|&other| other == effect);
         let amplitudes =
             position.map(|position| parameters(problem, candidate, &refit.amplitudes[position])).unwrap_or_default();
-        let group = findings.groups.iter().position(|group| group.contains(&effect)).map(|group| group as u64 + 1);
+        // What leads a group is no rival in another one.
+        let groups = &findings.groups;
+        let led = groups.iter().position(|group| group[0] == effect);
+        let group =
+            led.or_else(|| groups.iter().position(|group| group.contains(&effect))).map(|group| group as u64 + 1);
         let scales = group.and_then(|_| self.at_scales(findings, refit, log_bayes_factor));
         let is_stated = probability >= LEAST_STATED || group.is_some();
         let carries = if is_stated { effect_heat_flow(problem, refit, effect) } else { Vec::new() };

@@ -118,7 +118,9 @@ fn fall([before, after]: [Option<f64>; 2]) -> Option<String> {
 pub fn falls_to(step: &StoryStep) -> String {
     let beside = if step.beside_later { "beside the later steps " } else { "" };
     let held_out = fall(step.rmse_k.held_out).map_or_else(String::new, |fall| format!(", held out from {fall}"));
-    fall(step.rmse_k.train).map_or_else(String::new, |fall| format!("; {beside}the error falls from {fall}{held_out}"))
+    let goes =
+        if matches!(step.rmse_k.train, [Some(before), Some(after)] if after > before) { "goes" } else { "falls" };
+    fall(step.rmse_k.train).map_or_else(String::new, |fall| format!("; {beside}the error {goes} from {fall}{held_out}"))
 }
 
 /// What speaks against a next step that is more probable than nothing.

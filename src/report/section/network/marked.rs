@@ -16,6 +16,9 @@ fn adopted<'r>(report: &'r PassReport<'_>, element: &str) -> Option<&'r AdoptedE
     })
 }
 
+/// Share of the heat at one node below which that of all is none.
+const NO_HEAT: f64 = 0.01;
+
 /// How the path of an effect is drawn.
 fn path_of(effect: &str) -> Path {
     if effect.contains("radiat") { Path::Radiation } else { Path::Conductor }
@@ -68,6 +71,13 @@ fn ends(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) ->
 /// The box of the node to which an effect of a group gives most heat, or from which it takes most; `None` of other effects.
 fn most_of_group(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) -> usize) -> Option<Vec<usize>> {
     let most = effect.carries.first().filter(|_| effect.where_kind == GROUP)?;
+    // What goes from node to node only is no heat at one of them.
+    let now = effect.carries.iter().filter(|own| {
+        (&own.measurement, &own.phase, own.time_s) == (&most.measurement, &most.phase, most.time_s)
+    });
+    if now.map(|own| own.watts).sum::<f64>().abs() < NO_HEAT * most.watts.abs() {
+        return None;
+    }
     let node = report.model.nodes.iter().position(|node| node.name == most.node)?;
     Some(vec![place(node)])
 }
@@ -80,7 +90,8 @@ fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize)
         .collect();
     let watts = effect.watts.map_or_else(String::new, |[least, most]| {
         let size = if most >= -least { most } else { -least };
-        format!(", {}", with_unit(&significant(size, 2), "W"))
+        let of_node = if effect.where_kind == GROUP { "up to " } else { "" };
+        format!(", {of_node}{}", with_unit(&significant(size, 2), "W"))
     });
     let is_node = effect.effect.contains("hidden-node");
     // Of a node its coupling counts: heat that it stores goes to and fro.
@@ -90,7 +101,8 @@ fn missing(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize)
         Some(group) => format!(" at all of {group}"),
         None => String::new(),
     };
-    let label = format!("missing{of_all}: {}{size}", effect.effect.replace('-', " "));
+    let here = if of_all.is_empty() || size.is_empty() { "" } else { " here" };
+    let label = format!("missing{of_all}: {}{size}{here}", effect.effect.replace('-', " "));
     let path = path_of(&effect.effect);
     let nodes = nodes.or_else(|| most_of_group(report, effect, &place)).or_else(|| ends(report, effect, &place))?;
     match (if nodes.len() == 2 { "nodes" } else { "node" }, nodes.as_slice()) {

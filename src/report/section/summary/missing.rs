@@ -98,30 +98,30 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
                 selected.iter().partition(|own| output.is_settled(own));
             // What is sure is the headline, where something is.
             let (named, perhaps) = if settled.is_empty() { (open, settled) } else { (settled, open) };
-            let mut text = sizes(Text::default(), &named);
-            if !perhaps.is_empty() {
-                text = sizes(text.plain(". Perhaps missing too: "), &perhaps);
-            }
-            let before = proposed_first(output, selected);
+            let before = proposed_first(output, &named);
             // A name that a rival beats is no headline.
             let headline: Vec<String> = match before {
                 Some(_) => named.iter().map(|effect| one_of(output, effect)).collect(),
                 None => named.iter().map(|effect| kind_or_title(output, effect)).collect(),
             };
-            let text = match before {
-                Some(before) => Text::new("Proposed: ").joined(Some(text)).plain("; ").joined(Some(before)),
-                None => text,
+            let mut text = match before {
+                Some(before) => sizes(Text::new("Proposed: "), output, &named).plain("; ").joined(Some(before)),
+                None => sizes(Text::default(), output, &named),
             };
+            if !perhaps.is_empty() {
+                text = sizes(text.plain(". Perhaps missing too: "), output, &perhaps);
+            }
             statement(&headline.join(" + "), text.plain("."), Some(Status::Caution))
         }
     }
 }
 
-/// The size of each effect, and the most heat that it gives or takes.
-fn sizes(mut text: Text, effects: &[&EffectResult]) -> Text {
+/// The size of each effect, and the most heat that it gives or takes; of laws of one thing what is open first.
+fn sizes(mut text: Text, output: &Output, effects: &[&EffectResult]) -> Text {
     for (position, effect) in effects.iter().enumerate() {
         let size = size(effect).map_or_else(String::new, |(name, size)| format!(", {name} {size}"));
-        text = text.plain(if position == 0 { "" } else { "; " }).code(&effect.id).plain(size);
+        let open = output.kind_of(effect).map_or_else(String::new, |kind| format!("{} is open, as a proposal ", kind.open));
+        text = text.plain(if position == 0 { "" } else { "; " }).plain(open).code(&effect.id).plain(size);
         if let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) {
             let (size, way) = if most >= -least { (most, "into") } else { (-least, "out of") };
             let size = with_unit(&significant(size, 2), "W");
@@ -164,15 +164,15 @@ fn how_sure(output: &Output, selected: &[&EffectResult]) -> Statement {
                 let set_probability = chance(least);
                 let settled: Vec<f64> = selected.iter().filter_map(|own| settled_probability(output, own)).collect();
                 let of_all = chance(held(output));
-                match settled.iter().copied().reduce(f64::min) {
-                    Some(sure) if settled.len() < selected.len() => (
+                match settled.into_iter().reduce(f64::min) {
+                    Some(sure) => (
                         chance(sure),
                         format!(
-                            "Probability of what stands here as missing; that all steps are among their rivals {of_all}, of this set \
-                             {set_probability}.{factor} {wrong}"
+                            "Probability of what is called missing, the least sure of it; that every selected effect or a rival of it is \
+                             missing {of_all}, just this set {set_probability}.{factor} {wrong}"
                         ),
                     ),
-                    _ => (
+                    None => (
                         of_all,
                         format!("Probability that it is one of the rivals; of this set {set_probability}.{factor} {wrong}"),
                     ),

@@ -51,7 +51,10 @@ fn laws_of_one_thing_at_one_place_are_called_that() {
     let said = together(&problem, &paths).expect("one path");
     assert!(said.starts_with("a path for heat between `") && said.contains("whose law"), "{said}");
     let heats: [(&str, &[&str], [f64; 2]); 2] = [("heat-load", &[a], [0.5, 0.5]), ("dated-load", &[a], [0.0, 1.0])];
-    assert_eq!(together(&problem, &heats).as_deref(), Some(&*format!("heat in `{a}`, whose course")));
+    assert_eq!(
+        together(&problem, &heats).as_deref(),
+        Some(&*format!("heat dissipated in `{a}`, whose dependence on time and inputs"))
+    );
     let elsewhere: [(&str, &[&str], [f64; 2]); 2] = [("heat-load", &[a], [0.5, 0.5]), ("heat-load", &[b], [0.5, 0.5])];
     assert_eq!(together(&problem, &elsewhere), None);
     // A store of heat is one kind wherever it is: inside a path, or hidden behind a node.
@@ -63,9 +66,12 @@ fn laws_of_one_thing_at_one_place_are_called_that() {
         together(&problem, &[("path-capacity", &joint, swing), ("hidden-node", &[node], swing)]).expect("stores")
     };
     let said: Vec<String> = inner.iter().map(|node| said_of_store(node)).collect();
-    let elsewhere = "heat that is stored beside what the model stores, where and which way";
+    let elsewhere = "a heat capacity that the model lacks, whose place and coupling";
     assert!(said.iter().any(|own| own == elsewhere), "{said:?}");
-    assert!(said.iter().all(|own| own == elsewhere || own.starts_with("heat that is stored at `")), "{said:?}");
+    assert!(
+        said.iter().all(|own| own == elsewhere || own.starts_with("a heat capacity that the model lacks at `")),
+        "{said:?}"
+    );
     let mixed: [(&str, &[&str], [f64; 2]); 2] = [("heat-load", &[a], [0.5, 0.5]), ("conductive-path", &a_pair, loss)];
     assert_eq!(together(&problem, &mixed), None);
     assert_eq!(together(&problem, &losses[..1]), None);
