@@ -25,7 +25,7 @@ pub static RESULT_WORDS: &[ResultWord] = &[
     },
     ResultWord {
         word: "ambiguous",
-        meaning: "verdict of a diagnosis: a set of effects explains the misfit, but these data do not settle which. Sets that explain it about as well are named as rivals; an effect that all of them have is settled all the same, and called missing.",
+        meaning: "verdict of a diagnosis: a set of effects explains the misfit, but these data do not settle which. Sets that explain it about as well are named as rivals; an effect that all of them have is settled all the same, and called missing. So is what rivals are together, where they are laws of one thing: a loss of heat from a plate, say, whose law is open.",
         then: "Adopt what is settled by its name, `bmv adopt PASS ID`; for the rest run the phase that is named to tell the rivals apart, or choose by what you know of the hardware, by name.",
     },
     ResultWord {
