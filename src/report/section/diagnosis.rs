@@ -20,7 +20,9 @@ use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Ton
 use crate::report::view::PassReport;
 
 use super::Entry;
-pub(super) use words::{kind_or_title, led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size, unexplained};
+pub(super) use words::{
+    kind_or_title, led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size, unexplained,
+};
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;
@@ -118,7 +120,8 @@ fn is_partly_settled(output: &Output) -> bool {
 /// What of a verdict is settled, and that the rest is not.
 fn partly_settled(output: &Output) -> Text {
     let selected = output.selected.iter().filter_map(|id| output.effect(id));
-    let (mut text, mut count, mut is_open) = (Text::default().strong(output.verdict.word()).plain(": missing is "), 0, false);
+    let (mut text, mut count, mut is_open) =
+        (Text::default().strong(output.verdict.word()).plain(": missing is "), 0, false);
     for own in selected {
         match settled(output, own) {
             Some(what) => {

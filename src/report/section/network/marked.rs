@@ -72,9 +72,10 @@ fn ends(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) ->
 fn most_of_group(report: &PassReport<'_>, effect: &EffectResult, place: impl Fn(usize) -> usize) -> Option<Vec<usize>> {
     let most = effect.carries.first().filter(|_| effect.where_kind == GROUP)?;
     // What goes from node to node only is no heat at one of them.
-    let now = effect.carries.iter().filter(|own| {
-        (&own.measurement, &own.phase, own.time_s) == (&most.measurement, &most.phase, most.time_s)
-    });
+    let now = effect
+        .carries
+        .iter()
+        .filter(|own| (&own.measurement, &own.phase, own.time_s) == (&most.measurement, &most.phase, most.time_s));
     if now.map(|own| own.watts).sum::<f64>().abs() < NO_HEAT * most.watts.abs() {
         return None;
     }

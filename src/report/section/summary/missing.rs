@@ -120,7 +120,8 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
 fn sizes(mut text: Text, output: &Output, effects: &[&EffectResult]) -> Text {
     for (position, effect) in effects.iter().enumerate() {
         let size = size(effect).map_or_else(String::new, |(name, size)| format!(", {name} {size}"));
-        let open = output.kind_of(effect).map_or_else(String::new, |kind| format!("{} is open, as a proposal ", kind.open));
+        let open =
+            output.kind_of(effect).map_or_else(String::new, |kind| format!("{} is open, as a proposal ", kind.open));
         text = text.plain(if position == 0 { "" } else { "; " }).plain(open).code(&effect.id).plain(size);
         if let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) {
             let (size, way) = if most >= -least { (most, "into") } else { (-least, "out of") };

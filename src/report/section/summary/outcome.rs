@@ -94,7 +94,8 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                 }
                 text
             };
-            let is_kind_alone = verdict == Verdict::Ambiguous && open.is_empty() && output.settled().len() < settled.len();
+            let is_kind_alone =
+                verdict == Verdict::Ambiguous && open.is_empty() && output.settled().len() < settled.len();
             let begin = if is_partly || is_kind_alone { text.plain("missing is ") } else { text };
             let mut text = match is_partly {
                 true => each(each(begin, &settled).plain("; open is "), &open),
