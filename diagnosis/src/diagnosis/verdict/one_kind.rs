@@ -172,11 +172,8 @@ impl Findings<'_> {
             let any = held(&self.state.refits, &self.weights, &[members.to_vec()]);
             return self.unless_model_error(first, any);
         };
-        let of_step = |&member: &usize| {
-            let added = step.additions.iter().find(|one| one.effect == member).map_or(1.0, |one| one.probability);
-            self.probability(member).min(self.unless_model_error(member, added))
-        };
-        members.iter().map(of_step).sum::<f64>().min(1.0 - step.stays)
+        let additions = step.additions.iter().filter(|one| members.contains(&one.effect));
+        additions.map(|one| self.unless_model_error(one.effect, one.probability)).sum()
     }
 }
 
