@@ -32,10 +32,12 @@ const LEAST_HELD: usize = 3;
 const OF_A_STEP: f64 = 0.1;
 /// Fewest rows on a side of a stretch of one value that show whether a channel has noise in every row.
 const LEAST_BESIDE: usize = 40;
-/// Largest share of successive readings that repeat, and least share of changes that turn back, where noise shows in every row. Of
-/// independent noise two thirds turn. Eight readings of one value then come by chance once in 10^9.
+/// Largest share of successive readings that repeat, and least share of changes of the errors that turn back, where noise shows in every row.
+/// Of independent noise two thirds turn. Eight readings of one value then come by chance once in 10^9.
 const REPEATS: f64 = 0.05;
 const TURNS: f64 = 1.0 / 3.0;
+/// Share of a channel's changes that its errors have at least, where it is noise and not what the model predicts.
+const UNEXPLAINED: f64 = 1.0 / 3.0;
 /// Times that such a stretch is longer than nine of ten stretches of the channel.
 const LONGER_RUN: f64 = 4.0;
 /// The model moves meanwhile by this many typical changes of its error and steps of the channel.
@@ -208,24 +210,24 @@ pub(crate) fn is_near_step(steps: &[usize], row: usize) -> bool {
 }
 
 /// Whether a channel's noise shows in every row beside a stretch of one value, on each side that has rows enough: readings hardly repeat,
-/// changes turn back, are as large there as elsewhere (`usual`, the median), and are not what the model predicts. What comes to rest by
+/// change as much as elsewhere (`usual`, the median), their errors turn back, and change a third as much at least. What comes to rest by
 /// itself is approached by ever smaller changes, and what a heater or the weather moves, the model moves too.
 fn shows_noise_beside(errors: &[f64], readings: &[f64], (first, length): (usize, usize), usual: f64) -> bool {
     let span = length.max(LEAST_BESIDE);
     let after = first + length - 1;
     let sides = [first.saturating_sub(span)..first + 1, after..readings.len().min(after + span + 1)];
     let is_noisy = |side: &Range<usize>| {
-        let rows = || side.clone().skip(1);
-        let changes: Vec<f64> = rows().map(|at| readings[at] - readings[at - 1]).collect();
-        let of_model = rows().map(|at| (readings[at] - errors[at] - readings[at - 1] + errors[at - 1]).abs()).collect();
-        let moving: Vec<f64> = changes.iter().copied().filter(|change| *change != 0.0).collect();
-        let repeats = (changes.len() - moving.len()) as f64;
-        let turns = moving.windows(2).filter(|two| (two[0] > 0.0) != (two[1] > 0.0)).count() as f64;
-        let typical = median(changes.iter().map(|change| change.abs()).collect()).unwrap_or(0.0);
-        (repeats + 1.0) / (changes.len() as f64 + 1.0) <= REPEATS
-            && turns >= TURNS * (moving.len() as f64 - 1.0)
+        let changes_of =
+            |values: &[f64]| -> Vec<f64> { values[side.clone()].windows(2).map(|two| two[1] - two[0]).collect() };
+        let typical_of = |changes: &[f64]| median(changes.iter().map(|change| change.abs()).collect()).unwrap_or(0.0);
+        let [shown, of_errors] = [readings, errors].map(changes_of);
+        let repeats = shown.iter().filter(|change| **change == 0.0).count() as f64;
+        let turns = of_errors.windows(2).filter(|two| two[0] * two[1] < 0.0).count() as f64;
+        let typical = typical_of(&shown);
+        (repeats + 1.0) / (shown.len() as f64 + 1.0) <= REPEATS
+            && turns >= TURNS * (of_errors.len() as f64 - 1.0)
             && typical >= 0.5 * usual
-            && median(of_model).unwrap_or(f64::INFINITY) <= 0.5 * typical
+            && typical_of(&of_errors) >= UNEXPLAINED * typical
     };
     let mut long_enough = sides.iter().filter(|side| side.len() > LEAST_BESIDE).peekable();
     long_enough.peek().is_some() && long_enough.all(is_noisy)

@@ -175,6 +175,16 @@ fn a_channel_with_noise_in_every_row_is_frozen_where_it_shows_one_value() {
     assert!(frozen(&level(&coarse), &coarse).is_empty(), "readings repeat anywhere");
     let smooth = with_stretch((0..200).map(|row| 300.0 + 0.01 * f64::from(row)).collect());
     assert!(frozen(&level(&smooth), &smooth).is_empty(), "a plateau between two ramps, and no noise");
+    let rising = |readings: &[f64]| {
+        (0..).zip(readings).map(|(row, own)| own - 299.0 - 0.08 * f64::from(row)).collect::<Vec<f64>>()
+    };
+    let ramp =
+        with_stretch((0..).zip(&noise).map(|(row, own)| rounded(300.0 + 0.1 * f64::from(row) + own, 0.001)).collect());
+    assert_eq!(
+        frozen(&rising(&ramp), &ramp),
+        (121..140).collect::<Vec<_>>(),
+        "while the hardware warms, and the model less"
+    );
     let to_the_end = |mut readings: Vec<f64>, from: usize| {
         let held = readings[from];
         readings[from..].fill(held);
