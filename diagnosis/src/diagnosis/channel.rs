@@ -210,7 +210,7 @@ pub(crate) fn is_near_step(steps: &[usize], row: usize) -> bool {
 }
 
 /// Whether a channel's noise shows in every row beside a stretch of one value, on each side that has rows enough: readings hardly repeat,
-/// change as much as elsewhere (`usual`, the median), their errors turn back, and change a third as much at least. What comes to rest by
+/// change half as much as elsewhere at least (`usual`, the median), their errors turn back, and change a third as much at least. What comes to rest by
 /// itself is approached by ever smaller changes, and what a heater or the weather moves, the model moves too.
 fn shows_noise_beside(errors: &[f64], readings: &[f64], (first, length): (usize, usize), usual: f64) -> bool {
     let span = length.max(LEAST_BESIDE);

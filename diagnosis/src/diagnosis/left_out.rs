@@ -370,14 +370,16 @@ impl Diagnosis {
             let measurement = &problem.measurements[of_sensor[0].measurement];
             let sensor = &measurement.sensors[of_sensor[0].sensor];
             let most = of_sensor.iter().map(|one| one.off).fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
-            let [stand, repeat, are, most_word] = match of_sensor.len() {
-                1 => ["stands", "repeats", "is", "by"],
-                _ => ["stand", "repeat", "are", "by up to"],
+            let [stand, repeat, they, are, most_word] = match of_sensor.len() {
+                1 => ["stands", "repeats", "it", "is", "by"],
+                _ => ["stand", "repeat", "they", "are", "by up to"],
             };
             let unit = &problem.model.quantities[sensor.quantity].unit;
             let why = match of_sensor[0].frozen {
                 true => {
-                    format!("{repeat} the value before: the channel froze, or its logger repeated it; {are} left out")
+                    format!(
+                        "{repeat} the value before: the channel froze, or its logger repeated it; {they} {are} left out"
+                    )
                 }
                 false => {
                     format!("{stand} out from what all others say, {most_word} {most:.2} {unit}, and {are} left out")
