@@ -190,7 +190,7 @@ fn what_all_laws_of_a_group_are_is_said_before_the_one_that_is_proposed() {
     has(
         &summary,
         &[
-            "whose law is open, as a proposal `conductive-path:baseplate:board`",
+            "whose law is open; one of them: `conductive-path:baseplate:board`",
             "97.0 %",
             "Probability of what is called missing",
         ],

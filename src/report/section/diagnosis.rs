@@ -20,9 +20,7 @@ use crate::report::page::{Block, Cell, Column, Section, Status, Table, Text, Ton
 use crate::report::view::PassReport;
 
 use super::Entry;
-pub(super) use words::{
-    kind_or_title, led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size, unexplained,
-};
+pub(super) use words::{led_by_group, near_miss, one_of, proposed_first, since_s, since_start_s, size, unexplained};
 
 /// Warnings that are printed.
 const MOST_WARNINGS: usize = 2;

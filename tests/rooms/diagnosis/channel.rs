@@ -200,8 +200,7 @@ fn a_channel_with_noise_in_every_row_is_frozen_where_it_shows_one_value() {
 fn what_comes_to_rest_by_itself_is_not_frozen() {
     let mut stream = StreamKey::new(7, "test", "rest").stream(0);
     let rounded = |value: f64, step: f64| (value / step).round() * step;
-    let cycles =
-        |row: u32| if row < 120 { 2.0 * f64::from((row % 4) / 2) } else { 2.0 * exp(-f64::from(row - 119) / 8.0) };
+    let cycles = |row: u32| if row < 120 { 1.2 * f64::from(row % 3) } else { 2.0 * exp(-f64::from(row - 119) / 8.0) };
     let heater: Vec<f64> = (0..240).map(|row| rounded(300.0 + cycles(row), 0.1)).collect();
     let wrong: Vec<f64> = heater.iter().map(|reading| reading - 303.0).collect();
     assert!(frozen(&wrong, &heater).is_empty(), "a model that lacks the heater");

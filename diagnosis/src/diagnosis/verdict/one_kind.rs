@@ -121,7 +121,7 @@ pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<(String,
 }
 
 /// The laws of some effects, each once.
-pub(super) fn laws(effects: &[&EffectResult]) -> String {
+pub fn laws(effects: &[&EffectResult]) -> String {
     let mut laws: Vec<String> = Vec::new();
     for effect in effects {
         let law = effect

@@ -39,17 +39,14 @@ pub(in crate::report::section) fn near_miss(output: &Output) -> Option<Text> {
     Some(text.plain(": a longer or stronger test would tell."))
 }
 
-/// An effect by what all laws of its group are, or by its title.
-pub(in crate::report::section) fn kind_or_title(output: &Output, own: &EffectResult) -> String {
-    let Some(kind) = output.kind_of(own) else { return own.title.clone() };
-    let mut letters = kind.what.chars().filter(|letter| *letter != '`');
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// The same, but by its group where a rival is more probable and they are no laws of one thing.
+/// An effect by what all laws of its group are, by its group where a rival is more probable, else by its title.
 pub(in crate::report::section) fn one_of(output: &Output, own: &EffectResult) -> String {
-    if output.kind_of(own).is_some() || output.more_probable(own).is_empty() {
-        return kind_or_title(output, own);
+    if let Some(kind) = output.kind_of(own) {
+        let mut letters = kind.what.chars().filter(|letter| *letter != '`');
+        return letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect());
+    }
+    if output.more_probable(own).is_empty() {
+        return own.title.clone();
     }
     let members = output.effects.iter().filter(|other| other.group == own.group).count();
     format!("One of {}", counted(members, "effect"))

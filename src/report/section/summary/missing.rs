@@ -10,7 +10,7 @@ use crate::diagnosis::verdict::numbers::kelvins_before_and_after;
 use crate::document::{counted, p_stated};
 use crate::report::number::{fixed, significant, with_unit};
 use crate::report::page::{Statement, Status, Text};
-use crate::report::section::diagnosis::{chance, kind_or_title, near_miss, one_of, proposed_first, size};
+use crate::report::section::diagnosis::{chance, near_miss, one_of, proposed_first, size};
 use crate::thermal::Model;
 
 /// Rivals that a statement names.
@@ -100,10 +100,7 @@ fn what(output: &Output, selected: &[&EffectResult]) -> Statement {
             let (named, perhaps) = if settled.is_empty() { (open, settled) } else { (settled, open) };
             let before = proposed_first(output, &named);
             // A name that a rival beats is no headline.
-            let headline: Vec<String> = match before {
-                Some(_) => named.iter().map(|effect| one_of(output, effect)).collect(),
-                None => named.iter().map(|effect| kind_or_title(output, effect)).collect(),
-            };
+            let headline: Vec<String> = named.iter().map(|effect| one_of(output, effect)).collect();
             let mut text = match before {
                 Some(before) => sizes(Text::new("Proposed: "), output, &named).plain("; ").joined(Some(before)),
                 None => sizes(Text::default(), output, &named),
@@ -121,7 +118,7 @@ fn sizes(mut text: Text, output: &Output, effects: &[&EffectResult]) -> Text {
     for (position, effect) in effects.iter().enumerate() {
         let size = size(effect).map_or_else(String::new, |(name, size)| format!(", {name} {size}"));
         let open =
-            output.kind_of(effect).map_or_else(String::new, |kind| format!("{} is open, as a proposal ", kind.open));
+            output.kind_of(effect).map_or_else(String::new, |kind| format!("{} is open; one of them: ", kind.open));
         text = text.plain(if position == 0 { "" } else { "; " }).plain(open).code(&effect.id).plain(size);
         if let (Some([least, most]), Some(first)) = (effect.watts, effect.carries.first()) {
             let (size, way) = if most >= -least { (most, "into") } else { (-least, "out of") };

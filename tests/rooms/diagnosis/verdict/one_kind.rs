@@ -2,7 +2,7 @@
 
 use bmv::diagnosis::Problem;
 use bmv::diagnosis::output::EffectResult;
-use bmv::diagnosis::verdict::one_kind::one_kind;
+use bmv::diagnosis::verdict::one_kind::{laws, one_kind};
 use bmv::thermal::NodeKind;
 
 use super::words::{effect, star};
@@ -24,8 +24,9 @@ fn at(problem: &Problem, name: &str, place: &[&str], watts: [f64; 2]) -> EffectR
 /// What the effects at these places are together.
 fn together(problem: &Problem, own: &[(&str, &[&str], [f64; 2])]) -> Option<String> {
     let effects: Vec<EffectResult> = own.iter().map(|(name, place, watts)| at(problem, name, place, *watts)).collect();
-    let (what, open) = one_kind(&effects.iter().collect::<Vec<_>>(), problem)?;
-    Some(format!("{what}, {open}"))
+    let effects: Vec<&EffectResult> = effects.iter().collect();
+    let (what, open) = one_kind(&effects, problem)?;
+    Some(format!("{what}, {open} the readings do not tell ({})", laws(&effects)))
 }
 
 #[test]
@@ -44,7 +45,10 @@ fn laws_of_one_thing_at_one_place_are_called_that() {
         [("free-convection", &[a], loss), ("radiation-to-ambient", &[a], loss), ("conductive-path", &to_sink, loss)];
     assert_eq!(
         together(&problem, &losses).as_deref(),
-        Some(&*format!("a loss of heat from `{a}` to its surroundings, whose law"))
+        Some(&*format!(
+            "a loss of heat from `{a}` to its surroundings, whose law the readings do not tell (free-convection, \
+             radiation-to-ambient or conductive-path)"
+        ))
     );
     let a_pair = between(b);
     let paths: [(&str, &[&str], [f64; 2]); 2] = [("conductive-path", &a_pair, loss), ("radiative-path", &a_pair, loss)];
@@ -53,7 +57,9 @@ fn laws_of_one_thing_at_one_place_are_called_that() {
     let heats: [(&str, &[&str], [f64; 2]); 2] = [("heat-load", &[a], [0.5, 0.5]), ("dated-load", &[a], [0.0, 1.0])];
     assert_eq!(
         together(&problem, &heats).as_deref(),
-        Some(&*format!("heat dissipated in `{a}`, whose dependence on time and inputs"))
+        Some(&*format!(
+            "heat dissipated in `{a}`, whose dependence on time and inputs the readings do not tell (heat-load or dated-load)"
+        ))
     );
     let elsewhere: [(&str, &[&str], [f64; 2]); 2] = [("heat-load", &[a], [0.5, 0.5]), ("heat-load", &[b], [0.5, 0.5])];
     assert_eq!(together(&problem, &elsewhere), None);
@@ -66,7 +72,7 @@ fn laws_of_one_thing_at_one_place_are_called_that() {
         together(&problem, &[("path-capacity", &joint, swing), ("hidden-node", &[node], swing)]).expect("stores")
     };
     let said: Vec<String> = inner.iter().map(|node| said_of_store(node)).collect();
-    let elsewhere = "a heat capacity that the model lacks, whose place and coupling";
+    let elsewhere = "a heat capacity that the model lacks, whose place and coupling the readings do not tell (path-capacity or hidden-node)";
     assert!(said.iter().any(|own| own == elsewhere), "{said:?}");
     assert!(
         said.iter().all(|own| own == elsewhere || own.starts_with("a heat capacity that the model lacks at `")),
