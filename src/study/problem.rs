@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::Problem;
+use crate::diagnosis::{Problem, working_temperatures_k};
 use crate::effect::candidates;
 use crate::inference::likelihood::InputError;
 use crate::measurement::{Measurement, sensor_places};
@@ -21,6 +21,7 @@ pub fn problem(pass: &Pass) -> Problem {
 pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec<usize>) -> Problem {
     let (model, measurements) = dated(pass, measurements);
     let sensors = sensor_places(measurements.iter());
+    let working_temperatures_k = Arc::new(working_temperatures_k(&model, &measurements));
     Problem {
         candidates: Arc::new(candidates(&model, &pass.groups, &sensors, &pass.catalogue)),
         model: Arc::new(Model { keeps_signs: false, ..model }),
@@ -35,6 +36,7 @@ pub fn problem_with(pass: &Pass, measurements: Vec<Measurement>, parameters: Vec
         is_misspecified: false,
         independent_readings: 0.0,
         considered: Vec::new(),
+        working_temperatures_k,
         places: Default::default(),
         missing_probability: Default::default(),
         tolerance: 1.0,

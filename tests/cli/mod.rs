@@ -17,6 +17,7 @@ mod index;
 mod laws;
 mod many_readings;
 mod not_finite;
+mod reference_temperature;
 mod serve_model;
 mod story;
 mod studies;

@@ -389,6 +389,54 @@ fn an_own_effect_whose_prior_and_sign_differ() {
     "##);
 }
 
+#[test]
+fn a_reference_temperature_that_no_law_has() {
+    insta::assert_snapshot!(said(r##""adopt": {"harness": {"effect": {"conductive-path": {"where": ["box", "panel"], "reference": {"value": -100, "unit": "degC"}}},
+   "because": "seen"}},
+ "##), @r##"
+    error[effect-parameter]: the law of `conductive-path` has no reference temperature
+     --> study/pass-1.json:8:95
+      |
+    8 |  "adopt": {"harness": {"effect": {"conductive-path": {"where": ["box", "panel"], "reference": {"value": -100, "unit": "degC"}}},
+      |                                                                                               ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ no `reference`
+      |
+      = note: at $.adopt.harness.effect["conductive-path"].reference
+    "##);
+}
+
+#[test]
+fn a_reference_temperature_below_absolute_zero() {
+    insta::assert_snapshot!(said(r##""adopt": {"paint": {"effect": {"temperature-dependent-emittance": {"where": "panel", "reference": -100}},
+   "because": "seen"}},
+ "##), @r##"
+    error[out-of-range]: a reference temperature of -100 K
+     --> study/pass-1.json:8:100
+      |
+    8 |  "adopt": {"paint": {"effect": {"temperature-dependent-emittance": {"where": "panel", "reference": -100}},
+      |                                                                                                    ^^^^ a temperature above 0 K, such as {"value": 20, "unit": "degC"}
+      |
+      = note: at $.adopt.paint.effect["temperature-dependent-emittance"].reference
+    "##);
+}
+
+/// `Tr` in a factor is the reference temperature.
+#[test]
+fn a_parameter_with_the_name_of_the_reference_temperature() {
+    insta::assert_snapshot!(said_of_own(r##"{"format": "bmv-effect/1", "title": "Softer", "family": "properties",
+  "applies": {"conductor": {}},
+  "parameters": {"Tr": {"unit": "1", "prior": {"normal": {"mean": 0, "sd": 1}}}},
+  "adds": {"factor": "1 + Tr"}, "source": "bench"}
+"##), @r##"
+    error[effect-file]: in a factor `Tr` means something else already
+     --> study/effects/own.json:3:18
+      |
+    3 |   "parameters": {"Tr": {"unit": "1", "prior": {"normal": {"mean": 0, "sd": 1}}}},
+      |                  ^^^^ another name: `Tr` is the reference temperature
+      |
+      = note: at $.parameters.Tr
+    "##);
+}
+
 /// `rate` in a reading is how fast it changes, so that a parameter of that name would never act.
 #[test]
 fn a_parameter_whose_name_a_reading_has_already() {

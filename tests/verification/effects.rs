@@ -2,7 +2,9 @@
 //! heat balances.
 
 use bmv::document::Diagnostics;
-use bmv::effect::{Candidate, Catalogue, Effect, GroupPlace, Instance, SensorPlace, Site, apply, candidates};
+use bmv::effect::{
+    Candidate, Catalogue, Effect, GroupPlace, Instance, REFERENCE_K, SensorPlace, Site, apply, candidates,
+};
 use bmv::expression::{Graph, Symbol};
 use bmv::thermal::element::cooler::{Cooler, Drive};
 use bmv::thermal::element::{Element, ElementKind};
@@ -126,7 +128,7 @@ fn applied(effect: &Effect, candidate: &Candidate) -> (Model, Vec<f64>, Vec<f64>
         probe.push(if parameter.amplitude { value } else { parameter.nominal });
     }
     let (site, bound) = (candidate.site.clone(), candidate.bound.clone());
-    let instance = Instance { name: "it", effect, site, bound, parameters, switch: None };
+    let instance = Instance { name: "it", effect, site, bound, parameters, reference_k: REFERENCE_K, switch: None };
     apply(&mut model, &instance).unwrap_or_else(|error| panic!("{}: {error}", candidate.id));
     (model, zero, probe, amplitudes)
 }

@@ -128,6 +128,7 @@ fn problem(mut measurements: Vec<Measurement>, input_errors: Vec<InputError>) ->
         is_misspecified: false,
         independent_readings: 0.0,
         considered: Vec::new(),
+        working_temperatures_k: Default::default(),
         places: Default::default(),
         missing_probability: Default::default(),
         tolerance: 1.0,

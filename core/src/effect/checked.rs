@@ -250,6 +250,10 @@ impl Effect {
                 );
             }
         }
+        if self.form.adds.value.factor.is_some() {
+            let expected = "another name: `Tr` is the reference temperature";
+            self.refuse_names(&[REFERENCE], "a factor", expected, diagnostics);
+        }
         let entries = self.form.parameters.iter().map(|entry| &entry.value);
         let mut asked: Vec<&Spanned<String>> = Vec::new();
         for parameter in entries {
@@ -347,7 +351,8 @@ impl Effect {
         let adds = &self.form.adds.value;
         check.text(&adds.flow, Expected::value(Dimension::POWER, "a heat flow"), &["Ta", "Tb", "Tm"]);
         check.text(&adds.load, Expected::value(Dimension::POWER, "a power"), &["T"]);
-        let ends: &[&str] = if self.places.iter().any(|place| place.has_ends()) { &["Ta", "Tb", "Tm"] } else { &["T"] };
+        let has_ends = self.places.iter().any(|place| place.has_ends());
+        let ends: &[&str] = if has_ends { &["Ta", "Tb", "Tm", REFERENCE] } else { &["T", REFERENCE] };
         check.text(&adds.factor, Expected::value(Dimension::NONE, "a factor"), ends);
         check.text(&adds.capacity, Expected::value(Dimension::HEAT_CAPACITY, "a heat capacity"), &["T"]);
         if let Some(node) = &adds.node {
@@ -388,13 +393,18 @@ impl Effect {
             let locals = check.locals(&["T", RATE, ZERO]);
             let mut formulas = Formulas { graph: &mut check.graph, names: &check.names };
             formulas.parse(reading, &locals, check.diagnostics);
-            let parameters = self.form.parameters.iter().map(|entry| (&entry.name, &entry.name_place));
-            let own = parameters.chain(self.form.inputs.iter().map(|entry| (&entry.name, &entry.name_place)));
-            for (name, place) in own.filter(|(name, _)| [RATE, ZERO].contains(&name.as_str())) {
-                let message = format!("in a reading `{name}` means something else already");
-                let expected = "another name: `rate` is the reading's rate of change, `zero` its zero";
-                check.diagnostics.push(Diagnostic::error(&code::EFFECT_FILE, place, message).expected(expected));
-            }
+            let expected = "another name: `rate` is the reading's rate of change, `zero` its zero";
+            self.refuse_names(&[RATE, ZERO], "a reading", expected, check.diagnostics);
+        }
+    }
+
+    /// Refuses parameters and inputs with a name that an expression of this kind knows already.
+    fn refuse_names(&self, known: &[&str], expression: &str, expected: &str, diagnostics: &mut Diagnostics) {
+        let parameters = self.form.parameters.iter().map(|entry| (&entry.name, &entry.name_place));
+        let own = parameters.chain(self.form.inputs.iter().map(|entry| (&entry.name, &entry.name_place)));
+        for (name, place) in own.filter(|(name, _)| known.contains(&name.as_str())) {
+            let message = format!("in {expression} `{name}` means something else already");
+            diagnostics.push(Diagnostic::error(&code::EFFECT_FILE, place, message).expected(expected));
         }
     }
 }
@@ -403,6 +413,13 @@ impl Effect {
 const RATE: &str = "rate";
 /// Zero of what a sensor measures, likewise.
 const ZERO: &str = "zero";
+
+/// The reference temperature of a factor, in a factor only: the factor is 1 there where it is a change from what was measured at it.
+pub(super) const REFERENCE: &str = "Tr";
+/// What stands for it in an expression of the effect alone.
+pub const REFERENCE_SYMBOL: Symbol = Symbol::Local(u32::MAX);
+/// The reference temperature of an effect that states none, K: 20 degC, at which data sheets state properties.
+pub const REFERENCE_K: f64 = 293.15;
 
 /// The parameter that describes a curve's knots.
 pub const KNOT: &str = "knot";

@@ -17,7 +17,7 @@ pub use apply::{Applied, ApplyError, Instance, SensorChange, apply};
 pub use candidate::{Candidate, GroupPlace};
 pub use candidates::{Chosen, Limits, candidates, candidates_at, candidates_within};
 pub use catalogue::Catalogue;
-pub use checked::{Effect, Like};
+pub use checked::{Effect, Like, REFERENCE_K, REFERENCE_SYMBOL};
 pub use parameter::EffectParameter;
 pub use place::{Bound, PlaceKind, SensorPlace, Site};
 pub use thermometers::thermometers;

@@ -6,7 +6,7 @@ use crate::expression::{ExprId, Graph, Names, Scope, Symbol, parse};
 
 use super::candidate::Candidate;
 use super::catalogue::Catalogue;
-use super::checked::Effect;
+use super::checked::{Effect, REFERENCE, REFERENCE_SYMBOL};
 use super::form::AddsForm;
 
 /// Without effects of the program where a study's own is the same law: no data tell the two apart.
@@ -73,7 +73,15 @@ impl Effect {
         })
     }
 
-    /// Its factor over what it may depend on: its parameters and inputs by their positions in its file, and temperatures, which are nodes.
+    /// Whether it changes something from what it is at a reference temperature.
+    pub fn has_reference(&self) -> bool {
+        let mut graph = Graph::new();
+        let factor = self.factor(&mut graph);
+        factor.is_some_and(|factor| graph.symbols(factor).contains(&REFERENCE_SYMBOL))
+    }
+
+    /// Its factor over what it may depend on: its parameters and inputs by their positions in its file, temperatures, which are nodes,
+    /// and the [reference temperature](REFERENCE_SYMBOL).
     /// `None` where it is no factor, or takes the ends of an input's range.
     pub fn factor(&self, graph: &mut Graph) -> Option<ExprId> {
         let order: Vec<u32> = (0u32..).take(self.form.inputs.len()).collect();
@@ -94,6 +102,9 @@ impl Effect {
         locals.extend(
             self.form.inputs.names().zip(inputs).map(|(name, &input)| (name, graph.symbol(Symbol::Input(input)))),
         );
+        if is_free(REFERENCE) {
+            locals.push((REFERENCE, graph.symbol(REFERENCE_SYMBOL)));
+        }
         parse(text, graph, &Scope::with(&names, locals)).ok()
     }
 }

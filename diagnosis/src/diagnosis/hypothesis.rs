@@ -105,7 +105,7 @@ impl Hypothesis {
         for parameter in parameters.iter_mut().filter(|parameter| parameter.amplitude && scale != 1.0) {
             parameter.prior = widened(parameter.prior, scale);
         }
-        let applied = self.add_as(candidate, effect, &candidate.id, parameters)?;
+        let applied = self.add_as(problem, candidate, effect, &candidate.id, parameters)?;
         let (model, effect) = (&self.model, self.amplitudes.len() - 1);
         for &(node, _) in &applied.nodes {
             // At its host's temperature otherwise, as after long quiet; never so in the midst of a record, nor where so little is
@@ -125,13 +125,15 @@ impl Hypothesis {
     /// Adds an effect at a candidate's place under a name, with parameters of its own.
     pub(crate) fn add_as(
         &mut self,
+        problem: &Problem,
         candidate: &Candidate,
         effect: &Effect,
         name: &str,
         parameters: Vec<EffectParameter>,
     ) -> Result<Applied, FitError> {
         let (site, bound) = (self.site(&candidate.site), candidate.bound.clone());
-        let instance = Instance { name, effect, site, bound, parameters, switch: None };
+        let reference_k = problem.reference_k(candidate);
+        let instance = Instance { name, effect, site, bound, parameters, reference_k, switch: None };
         let applied = apply(&mut self.model, &instance)?;
         let range = applied.first_parameter..applied.first_parameter + instance.parameters.len();
         for (offset, parameter) in instance.parameters.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! What physics a model is missing: the model against measurements, with every effect of a catalogue at every place.
 //!
-//! In the order of a diagnosis: `problem` (what is diagnosed), `thinned` (the same on fewer rows), `hypothesis` (its model with a set of effects), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
+//! In the order of a diagnosis: `problem` (what is diagnosed), `reference_temperature` (about which it worked), `thinned` (the same on fewer rows), `hypothesis` (its model with a set of effects), `linearisation`, `screening`, `fits`, `noise`, `heat` (what is missing
 //! whatever its name, and what heat a fitted effect carries), `odds`, `verdict`, `output`. `engine` is the course, `search` which sets are fitted next, `left_out` which readings are faults, `channel` what one channel shows of that and `together` what several do, `misspecified` what changes where the model is a little wrong everywhere, `story` how effects are added there, `blocks` what stretches of the data say of them. docs/diagnosis-method.md says what is computed, and after whom.
 
 pub mod blocks;
@@ -20,6 +20,7 @@ pub mod output;
 pub mod places;
 pub mod problem;
 mod query;
+mod reference_temperature;
 pub mod screening;
 pub mod search;
 mod settings;
@@ -38,6 +39,7 @@ pub use linearisation::linear::{Direction, Linear};
 pub use odds::narrow_prior::{PRIOR_OF, wider};
 pub use output::{Output, RISES, Verdict};
 pub use problem::Problem;
+pub use reference_temperature::working_temperatures_k;
 pub use screening::family::{Extras, Family, FamilyWise, Member, MemberKind};
 pub use screening::score::{Prepared, Score};
 pub use settings::Settings;

@@ -215,6 +215,10 @@ pub struct EffectResult {
     /// Date and time from which on it is there, where it sets in at a date and the record says when its time is 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub since: Option<String>,
+    /// Temperature at which its law leaves what it changes as it is, K, where it has one that is not 20 degC: about which its place
+    /// worked, to 10 degC.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_k: Option<f64>,
     /// Errors without it and with it, the rest of its best set given.
     pub rmse_k: RmseChange,
     /// Start temperatures of the nodes that it adds, where they were inferred.

@@ -176,6 +176,7 @@ fn baseline(
         is_misspecified: false,
         independent_readings: 0.0,
         considered: Vec::new(),
+        working_temperatures_k: Default::default(),
         places: Default::default(),
         missing_probability: Default::default(),
         tolerance: 1.0,

@@ -16,6 +16,7 @@ use crate::random::Distribution;
 use crate::thermal::Model;
 
 use super::text::Item;
+use crate::study::resolve::adopt::in_celsius;
 use crate::study::resolve::belongs_to;
 use crate::study::resolved::Pass;
 
@@ -107,6 +108,10 @@ pub fn usage(effect: &Effect, finding: &EffectResult, bound: &[Bound], model: &M
         let names = effect.form.inputs.iter().zip(bound).filter(|(entry, _)| entry.value.clock().is_none());
         let inputs = names.map(|(entry, bound)| (entry.name.clone(), Item::text(bound.name(model)))).collect();
         fields.push(("inputs".to_owned(), Item::Object(inputs)));
+    }
+    if let Some(reference_k) = finding.reference_k {
+        let amount = [("value", Item::number(in_celsius(reference_k))), ("unit", Item::text("degC"))];
+        fields.push(("reference".to_owned(), Item::Object(amount.map(|(name, item)| (name.to_owned(), item)).into())));
     }
     let mut parameters: Vec<(String, Item)> = Vec::new();
     let mut fitted_amplitudes = Vec::new();

@@ -28,6 +28,8 @@ written_struct! {
         optional place as "where": OneOrMany<NameOr<GroupForm>>,
         /// The model's input for each of the effect's inputs.
         default(Map::default()) inputs: Map<Spanned<String>>,
+        /// Reference temperature of a law that changes something with temperature; 20 degC where it is left out.
+        optional reference: Amount,
         /// The effect's parameters; those left out are the catalogue's.
         default(Map::default()) parameters: Map<EffectParameter>,
     }

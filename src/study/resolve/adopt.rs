@@ -1,7 +1,10 @@
 //! Adopted effects: looked up, placed, given their parameters, and applied to the model and to the measurements.
 
 use crate::document::{Diagnostics, Map, MapEntry, Place, Sense, code};
-use crate::effect::{Applied, Bound, Catalogue, Effect, Instance, PlaceKind, SensorChange, SensorPlace, apply};
+use crate::effect::{
+    Applied, Bound, Catalogue, Effect, Instance, PlaceKind, REFERENCE_K, SensorChange, SensorPlace, apply,
+};
+use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::expression::{Dimension, Unit};
 use crate::measurement::{Measurement, Rows, sensor_places};
 use crate::random::Distribution;
@@ -116,6 +119,39 @@ fn effect<'c, 'f>(
     Some((effect?, usage))
 }
 
+/// Reference temperature of an effect, K. `None` after an error.
+fn reference_k(scope: &mut Scope, effect: &Effect, usage: &EffectUse) -> Option<f64> {
+    let Some(written) = &usage.reference else { return Some(REFERENCE_K) };
+    if !effect.has_reference() {
+        let message = format!("the law of `{}` has no reference temperature", effect.name);
+        scope.error(&code::EFFECT_PARAMETER, &written.place, message, "no `reference`");
+        return None;
+    }
+    let kelvin = Unit::si(Dimension::TEMPERATURE);
+    let reference_k = written.si(kelvin.dimension, Some(&kelvin), Sense::Absolute, scope.diagnostics)?;
+    if reference_k > 0.0 {
+        return Some(reference_k);
+    }
+    let message = format!("a reference temperature of {reference_k} K");
+    let expected = "a temperature above 0 K, such as {\"value\": 20, \"unit\": \"degC\"}";
+    scope.error(&code::OUT_OF_RANGE, &written.place, message, expected);
+    None
+}
+
+/// A reference temperature in degC, to a hundredth.
+pub fn in_celsius(reference_k: f64) -> f64 {
+    (100.0 * (reference_k - CELSIUS_ZERO_K)).round() / 100.0
+}
+
+/// An effect's equation, with the reference temperature if it has one.
+fn equation(effect: &Effect, reference_k: f64) -> String {
+    let law = effect.form.equation.clone().unwrap_or_default();
+    if law.is_empty() || !effect.has_reference() {
+        return law;
+    }
+    format!("{law}, Tr = {} degC", in_celsius(reference_k))
+}
+
 fn check_evidence(scope: &mut Scope, form: &Adopted) {
     let Some(evidence) = &form.evidence else { return };
     if let Err(error) = scope.folder.read(&evidence.pass.value) {
@@ -191,6 +227,7 @@ impl Adoption {
         scope.drawn.clear();
         let placed = place(scope, effect, usage, sensors)?;
         let bound = bound(scope, effect, usage, placed.node.as_ref())?;
+        let reference_k = reference_k(scope, effect, &usage.value)?;
         let parameters = parameters(scope, effect, &usage.value, &bound)?;
         let applies_to = entry.value.applies_to.as_ref();
         let switch = match applies_to {
@@ -205,7 +242,8 @@ impl Adoption {
         let inputs = inputs.map(|(entry, bound)| (entry.name.clone(), bound.name(&scope.resolved.model).to_owned()));
         let inputs: Vec<(String, String)> = inputs.collect();
         let id = id(effect, &placed, &bound, &inputs);
-        let instance = Instance { name: &entry.name, effect, site: placed.site, bound, parameters, switch };
+        let instance =
+            Instance { name: &entry.name, effect, site: placed.site, bound, parameters, reference_k, switch };
         let applied = match apply(&mut scope.resolved.model, &instance) {
             Ok(applied) => applied,
             Err(error) => {
@@ -228,7 +266,7 @@ impl Adoption {
             id,
             effect: effect.name.clone(),
             title: effect.form.title.clone(),
-            equation: effect.form.equation.clone().unwrap_or_default(),
+            equation: equation(effect, reference_k),
             source: crate::document::source_text(&effect.form.source, effect.form.evidence),
             file: None,
             place: placed.names,

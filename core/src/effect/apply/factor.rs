@@ -9,6 +9,7 @@ use crate::thermal::element::{Contribution, Cooler, ElementKind};
 use crate::thermal::{NodeKind, QuantityValue};
 
 use super::{ApplyError, Work};
+use crate::effect::checked::REFERENCE;
 use crate::effect::place::Site;
 
 impl Work<'_, '_> {
@@ -50,8 +51,8 @@ impl Work<'_, '_> {
 
     fn capacity_factor(&mut self, node: usize, factor: &str) -> Result<(), ApplyError> {
         let NodeKind::Diffusion { capacity } = self.model.nodes[node].kind else { return Err(self.misplaced()) };
-        let temperature = self.temperature(node);
-        let factor = self.expression(factor, &[("T", temperature)])?;
+        let locals = [("T", self.temperature(node)), self.reference()];
+        let factor = self.expression(factor, &locals)?;
         let capacity = self.model.graph.multiply(factor, capacity);
         self.model.nodes[node].kind = NodeKind::Diffusion { capacity };
         Ok(())
@@ -59,15 +60,20 @@ impl Work<'_, '_> {
 
     fn element_factor(&mut self, kind: &mut ElementKind, factor: &str) -> Result<(), ApplyError> {
         let physics = kind.physics();
-        let locals: Vec<(&str, ExprId)> = match (physics.between(), physics.heated()) {
+        let mut locals: Vec<(&str, ExprId)> = match (physics.between(), physics.heated()) {
             (Some(between), _) => self.ends(between).to_vec(),
             (None, Some(node)) => vec![("T", self.temperature(node))],
             (None, None) => return Err(self.misplaced()),
         };
+        locals.push(self.reference());
         let Some(value) = kind.physics_mut().scaled() else { return Err(self.misplaced()) };
         let factor = self.expression(factor, &locals)?;
         *value = self.model.graph.multiply(factor, *value);
         Ok(())
+    }
+
+    fn reference(&mut self) -> (&'static str, ExprId) {
+        (REFERENCE, self.model.graph.number(self.instance.reference_k))
     }
 
     fn cooler_factors(

@@ -33,6 +33,8 @@ pub struct Instance<'a> {
     pub bound: Vec<Bound>,
     /// Its parameters: those of [`Effect::parameters`], perhaps with other priors and nominal values.
     pub parameters: Vec<EffectParameter>,
+    /// Reference temperature of its factor, K; [`REFERENCE_K`](super::REFERENCE_K) where none is stated.
+    pub reference_k: f64,
     /// An input of the model that is 1 where the effect is there and 0 where not; always there without one.
     pub switch: Option<usize>,
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnosis::linearisation::threshold_levels::{is_crossed, temperatures_read};
 use crate::diagnosis::{Problem, Refit};
-use crate::effect::{EffectParameter, Site};
+use crate::effect::{EffectParameter, REFERENCE_SYMBOL, Site};
 use crate::expression::{Graph, Symbol};
 use crate::measurement::{Initial, Measurement, Rows};
 
@@ -76,12 +76,14 @@ impl Problem {
         let mut graph = Graph::new();
         let Some(law) = file.factor(&mut graph) else { return false };
         let names: Vec<String> = file.form.parameters.names().map(|name| format!("{}.{name}", candidate.id)).collect();
+        let reference_k = self.reference_k(candidate);
         let factor = |temperature_k: f64| {
             let value = |symbol: Symbol| match symbol {
                 Symbol::Node(_) => temperature_k,
                 Symbol::Parameter(own) => {
                     names.get(own as usize).and_then(|name| fitted.get(name)).copied().unwrap_or(f64::NAN)
                 }
+                REFERENCE_SYMBOL => reference_k,
                 // What depends on anything else is no law of temperature alone.
                 _ => f64::NAN,
             };

@@ -47,7 +47,7 @@ pub fn size(effect: &EffectResult, onset: Option<&Amount>) -> String {
     })
 }
 
-/// At which value of an input or a node an effect acts, after a comma.
+/// From where a law of temperature changes what it changes, and at which value of an input or a node an effect acts, after a comma.
 pub fn level(effect: &EffectResult) -> String {
     let one = |(name, amount): (&String, &Amount)| {
         let level = amount.level.as_ref()?;
@@ -59,7 +59,10 @@ pub fn level(effect: &EffectResult) -> String {
         let at_bound = if amount.at_bound { " (at a bound)" } else { "" };
         Some(format!(", {name} at `{}` = {value}{unit}{at_bound}", level.of))
     };
-    effect.amplitudes.iter().filter_map(one).collect()
+    // A whole number of degrees.
+    let celsius = |reference_k: f64| (reference_k - CELSIUS_ZERO_K).round();
+    let reference = effect.reference_k.map(|own| format!(" from its value at {} degC", celsius(own)));
+    reference.into_iter().chain(effect.amplitudes.iter().filter_map(one)).collect()
 }
 
 /// When an effect sets in, after a comma: between two phases, at a time, or so long after every start.

@@ -208,6 +208,7 @@ impl Diagnosis {
             precedence: findings.precedence(effect),
             amplitudes,
             since: None,
+            reference_k: problem.stated_reference_k(candidate),
             rmse_k: RmseChange {
                 train: [before.rmse_train_k, refit.rmse_train_k],
                 held_out: [before.rmse_held_out_k, refit.rmse_held_out_k],

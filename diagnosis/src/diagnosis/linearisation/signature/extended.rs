@@ -75,7 +75,7 @@ fn extended(base: &Base<'_>, variants: &[Variant<'_>]) -> Result<(Likelihood, Ve
     for (number, variant) in variants.iter().enumerate() {
         let candidate = &problem.candidates[variant.candidate];
         let name = format!("{} ({number})", candidate.id);
-        hypothesis.add_as(candidate, variant.effect, &name, variant.parameters.clone())?;
+        hypothesis.add_as(problem, candidate, variant.effect, &name, variant.parameters.clone())?;
         widths.push(variant.parameters.iter().filter(|parameter| parameter.amplitude).count());
     }
     Ok((hypothesis.likelihood(problem)?, widths))

@@ -33,7 +33,7 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
             ..parameter.clone()
         })
         .collect();
-    let applied = hypothesis.add_as(candidate, effect, &candidate.id, parameters)?;
+    let applied = hypothesis.add_as(problem, candidate, effect, &candidate.id, parameters)?;
     begin_as_fitted(base, &mut hypothesis, &applied.nodes);
     let mut likelihood = hypothesis.likelihood(problem)?;
     if likelihood.residual_count() != base.residuals.len() {

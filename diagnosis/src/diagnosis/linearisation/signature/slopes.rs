@@ -137,6 +137,7 @@ impl<'a> Bench<'a> {
             site: candidate.site.clone(),
             bound: candidate.bound.clone(),
             parameters: variant.parameters.clone(),
+            reference_k: base.problem.reference_k(candidate),
             switch: None,
         };
         let first_node = self.model.nodes.len();
