@@ -39,7 +39,9 @@ fn readings() -> String {
 #[test]
 fn a_law_of_temperature_refers_to_where_cold_hardware_works_and_the_next_pass_says_so() {
     let root = tempfile::tempdir().unwrap();
-    let put = |name: &str, text: &str| fs::write(root.path().join(name), text).unwrap();
+    let study = root.path().join("strap");
+    fs::create_dir(&study).unwrap();
+    let put = |name: &str, text: &str| fs::write(study.join(name), text).unwrap();
     put("model.json", MODEL);
     put("data.csv", &readings());
     put(
@@ -50,7 +52,7 @@ fn a_law_of_temperature_refers_to_where_cold_hardware_works_and_the_next_pass_sa
             "held_out": {"phases": ["P05", "P10", "P15"]}}}},
         "jobs": {"missing": {"diagnose": {"data": ["cold"], "effects": ["temperature-dependent-conductance", "prior-of"], "most": 2}}}}"#,
     );
-    let found: Value = serde_json::from_str(&printed(root.path(), &["diagnose", "pass-1.json", "--json"])).unwrap();
+    let found: Value = serde_json::from_str(&printed(&study, &["diagnose", "pass-1.json", "--json"])).unwrap();
     assert_eq!(found["selected"], serde_json::json!(["temperature-dependent-conductance:strap"]), "{found:.3000}");
     let effect = &found["effects"][0];
     // About 20 degC the strap would conduct 0.36 of what the prior allows, and that would be too narrow as well.
@@ -61,17 +63,18 @@ fn a_law_of_temperature_refers_to_where_cold_hardware_works_and_the_next_pass_sa
     let expected = CHANGE / (1.0 + CHANGE * (reference_k - WORKING_K));
     assert!((value - expected).abs() < 0.05 * expected.abs(), "{value} instead of {expected}");
 
-    let said = printed(root.path(), &["diagnose", "pass-1.json"]);
+    let said = printed(&study, &["diagnose", "pass-1.json"]);
     let celsius = (reference_k - 273.15).round();
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains(&format!("from its value at {celsius} degC")), "{said}");
 
-    printed(root.path(), &["adopt", "pass-1.json"]);
-    let next: Value = serde_json::from_str(&fs::read_to_string(root.path().join("pass-2.json")).unwrap()).unwrap();
+    printed(&study, &["adopt", "pass-1.json"]);
+    let next: Value = serde_json::from_str(&fs::read_to_string(study.join("pass-2.json")).unwrap()).unwrap();
     let adopted = next["adopt"].as_object().unwrap().values().next().unwrap();
     let usage = &adopted["effect"]["temperature-dependent-conductance"];
-    assert_eq!(usage["reference"], serde_json::json!({"value": celsius, "unit": "degC"}), "{usage}");
-    let compared: Value = serde_json::from_str(&printed(root.path(), &["compare", "pass-2.json", "--json"])).unwrap();
+    assert_eq!(usage["reference"], serde_json::json!({"value": celsius as i64, "unit": "degC"}), "{usage}");
+    printed(&study, &["run", "pass-2.json"]);
+    let compared: Value = serde_json::from_str(&printed(&study, &["compare", "pass-2.json", "--json"])).unwrap();
     let left: Vec<f64> = (compared["rows"].as_array().unwrap().iter())
         .map(|row| row["measured"].as_f64().unwrap() - row["predicted_tuned"].as_f64().unwrap())
         .collect();
