@@ -59,7 +59,7 @@ pub fn offers(pass: &LoadedPass, executed: &Executed) -> Vec<Offer> {
             let words: String = ids.iter().map(|id| format!(" {}", shell_word(id))).collect();
             Offer {
                 job: job.name.clone(),
-                title: effects.iter().map(|effect| in_words(effect)).collect::<Vec<_>>().join("; "),
+                title: effects.iter().map(|effect| in_words(&output, effect)).collect::<Vec<_>>().join("; "),
                 probability: output.odds(effects).map(probability_text).unwrap_or_default(),
                 command: format!("{base}{words}"),
                 effects: ids,
@@ -87,9 +87,12 @@ fn acts_on_model(pass: &LoadedPass, effect: &EffectResult) -> bool {
     effect.effect != PRIOR_OF && pass.pass.catalogue.get(&effect.effect).is_none_or(|own| !of_sensors(own))
 }
 
-fn in_words(effect: &EffectResult) -> String {
-    match effect.place.as_slice() {
+/// An effect with its place; where it is one law of what is settled, that comes first.
+fn in_words(output: &Output, effect: &EffectResult) -> String {
+    let own = match effect.place.as_slice() {
         [] => effect.title.clone(),
         places => format!("{}: {}", effect.title, places.join(", ")),
-    }
+    };
+    let kind = output.settled_kind_of(effect).filter(|_| output.confused_with(effect).next().is_some());
+    kind.map_or_else(|| own.clone(), |kind| format!("{}, as {own}", kind.what.replace('`', "")))
 }

@@ -106,7 +106,7 @@ fn of_diagnosis(output: &Diagnosis) -> Text {
                 model.effects.len() == selected.len() && model.effects.iter().all(|id| output.selected.contains(id))
             });
             text = match (verdict, model) {
-                (Verdict::Ambiguous, _) if is_partly => text.plain("."),
+                (Verdict::Ambiguous, _) if is_partly && before.is_none() => text.plain("."),
                 (Verdict::Ambiguous, _) if output.is_without_rival() => {
                     let what = if selected.len() == 1 { "it is" } else { "they are" };
                     text.plain(format!("; these data do not settle that {what} there."))
@@ -316,6 +316,12 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
                 let text = Text::default().code(format!("{adopt}{ids}"));
                 return Some(text.plain(" adopts what is settled; the rest stays open."));
             }
+            Verdict::Ambiguous if !output.selected.is_empty() && is_settled_but_for_laws(output) => {
+                let ids = output.selected.iter().map(|id| format!(" {}", shell_word(id))).collect::<String>();
+                let text =
+                    Text::new("What is missing is settled, its law is open: adopt the law that you know, as in ");
+                return Some(text.code(format!("{adopt}{ids}")).plain("."));
+            }
             Verdict::Ambiguous if parted(output).is_some() => {
                 let text = apart(Text::new("Measure a phase that tells "), parted(output).unwrap_or_default());
                 return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
@@ -356,6 +362,11 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
         return Some(text.code(format!("bmv import csv LOG... --into {}", report.study)).plain("."));
     }
     Some(last_step(report))
+}
+
+/// Whether everything that was selected is settled, or one law of what is.
+fn is_settled_but_for_laws(output: &Diagnosis) -> bool {
+    output.selected.iter().all(|id| output.effect(id).is_some_and(|effect| output.is_settled(effect)))
 }
 
 /// The rivals by their ids where there is room for them, else how many.
