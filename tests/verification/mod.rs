@@ -35,6 +35,7 @@ mod monitor_ladder;
 mod monitor_leak;
 pub mod network8_data;
 mod nonlinear_fit;
+mod open_place;
 mod orbit;
 mod periodic_diagnosis;
 mod prior_edge;

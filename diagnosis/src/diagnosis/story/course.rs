@@ -6,7 +6,9 @@ use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::fits::held_level::HeldLevel;
 use crate::diagnosis::odds::logged_heat::follow_heat_of;
 use crate::diagnosis::odds::posterior_odds::{RIVALS_WITHIN, gains_unseen};
-use crate::diagnosis::story::rules::{AskedOfUnseen, CLEARLY, Gain, Weighed, explains_what_control_does, pays_by};
+use crate::diagnosis::story::rules::{
+    AskedOfUnseen, CLEARLY, Gain, Weighed, explains_what_control_does, pays_by, says_where,
+};
 use crate::diagnosis::story::sets::{Logs, first_by_weight, gain, goes_before, is_implausible, pays};
 use crate::diagnosis::story::step::{Addition, Step};
 
@@ -48,6 +50,15 @@ impl Story {
     /// The set to which it leads.
     pub fn end(&self) -> usize {
         self.sets.last().copied().unwrap_or(0)
+    }
+
+    /// What its sets weigh.
+    fn weights(&self) -> Logs {
+        Logs {
+            weights: self.logs.clone(),
+            evidences: self.log_evidences.clone(),
+            follows_control: self.follows_control.clone(),
+        }
     }
 
     /// What a set gains over another.
@@ -198,6 +209,38 @@ impl Diagnosis {
             story.steps.push(last);
         }
         story
+    }
+
+    /// The steps before the first further one that does not say where something is missing: what it gains is as likely to be missing
+    /// elsewhere, or errors of the model. The diagnosis of the next pass, which has the steps before it, asks again.
+    pub(crate) fn until_open(&self, state: &State, mut story: Story) -> Story {
+        let is_open = |(number, step): (usize, &Step)| {
+            number > 0 && step.chosen.is_some_and(|place| !says_where(self.share_of_place(step, place)))
+        };
+        while let Some(number) = story.steps.iter().enumerate().position(is_open) {
+            let logs = story.weights();
+            let end = story.sets[number];
+            let shortened = self.along(state, &logs, story.sets[..=number].to_vec(), end);
+            let next = self.step(state, &logs, end, AskedOfUnseen::FallUnlessClear);
+            story.sets = shortened.sets;
+            story.steps = shortened.steps;
+            story.steps.push(Step { chosen: None, ..next });
+            story.refused = refused(state, &logs, &story);
+        }
+        story
+    }
+
+    /// Probability, among all that may be added at a step and nothing, that something is missing where the effect acts that leads to a
+    /// set.
+    fn share_of_place(&self, step: &Step, place: usize) -> f64 {
+        let candidates = &self.problem().candidates;
+        let Some(own) = step.additions.iter().find(|one| one.place == place) else { return 0.0 };
+        let own = &candidates[own.effect];
+        let is_there = |one: &&Addition| {
+            let other = &candidates[one.effect];
+            own.site == other.site || own.goes_before_member(other) || other.goes_before_member(own)
+        };
+        step.additions.iter().filter(is_there).map(|one| one.probability).sum()
     }
 
     /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole

@@ -83,7 +83,8 @@ impl Diagnosis {
             |why: NoHeat| format!("heat of unknown origin could not be compared with the effects: {}", why.in_words());
         warnings.extend(no_heat.map(uncompared));
         let of_blocks = || self.log_likelihoods_of_blocks(state);
-        let story = state.is_misspecified().then(|| Story { of_blocks: of_blocks(), ..self.story(state) });
+        let story = || self.until_open(state, self.story(state));
+        let story = state.is_misspecified().then(|| Story { of_blocks: of_blocks(), ..story() });
         let mut findings = Findings {
             problem: &problem,
             state,

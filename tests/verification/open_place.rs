@@ -1,0 +1,63 @@
+//! A further step of which the place is open is none: the output names the places.
+
+use bmv::diagnosis::Output;
+use bmv::random::StreamKey;
+
+use super::small_study;
+
+/// A panel under a lamp, and a box with a lid under a beam that the lid passes on at once; the lid has no thermometer.
+const MODEL: &str = r#"{
+  "format": "bmv-network/1",
+  "title": "A panel, and a box with a lid",
+  "inputs": {"lamp": {"unit": "W/m2", "nominal": 0, "range": [0, 1000]}, "beam": {"unit": "W/m2", "nominal": 0, "range": [0, 1000]}},
+  "parameters": {"G": {"unit": "W/K", "nominal": 0.5, "prior": {"lognormal": {"median": 0.5, "factor": 2}}, "source": "assumed"}},
+  "nodes": {"sink": {"boundary": {"value": 20, "unit": "degC"}}, "panel": {"capacity": 300}, "box": {"capacity": 400}, "lid": {}},
+  "conductors": {"panel feet": {"between": ["panel", "sink"], "conductance": "G"},
+    "box feet": {"between": ["box", "sink"], "conductance": "G"}, "rim": {"between": ["lid", "box"], "conductance": 2}}
+}"#;
+const NOISE_K: f64 = 0.05;
+const AREA_OF_PANEL_M2: f64 = 0.02;
+
+/// The diagnosis of four hours in which the lamp is on in turn for 40 minutes, and the beam for 25; `beam_area` (m2) of the lid or the
+/// box takes the latter. A last hour is held out.
+fn diagnosed(beam_area: f64) -> Output {
+    let mut stream = StreamKey::new(31, "open place", "noise").stream(0);
+    let on = |second: usize, period: usize| f64::from(u8::from(second / period % 2 == 1)) * 800.0;
+    let mut table = String::from("time [s],lamp [W/m2],beam [W/m2],panel [degC],box [degC]\n");
+    let [mut panel, mut own] = [20.0_f64; 2];
+    for second in 0..14_400_usize {
+        let [lamp, beam] = [on(second, 2400), on(second, 1500)];
+        if second.is_multiple_of(60) {
+            let [noise, other] = [(); 2].map(|()| NOISE_K * stream.normal());
+            table.push_str(&format!("{second},{lamp},{beam},{:.3},{:.3}\n", panel + noise, own + other));
+        }
+        // By hand, in steps of a second of time constants of 600 s and more.
+        panel += (AREA_OF_PANEL_M2 * lamp - 0.5 * (panel - 20.0)) / 300.0;
+        own += (beam_area * beam - 0.5 * (own - 20.0)) / 400.0;
+    }
+    let sensor = r#""sigma": {"prior": {"lognormal": {"median": 0.1, "factor": 4}}, "unit": "K"}"#;
+    let pass = format!(
+        r#"{{"format": "bmv-pass/1", "title": "Two beams", "parent": null, "model": "model.json", "seed": 3,
+        "measurements": {{"day": {{"transient": {{"file": "data.csv", "hold": ["lamp", "beam"],
+            "initial": {{"temperatures": {{"all": {{"value": 20, "unit": "degC"}}}}}},
+            "sensors": {{"panel": {{"measures": "panel", {sensor}}}, "box": {{"measures": "box", {sensor}}}}},
+            "held_out": {{"intervals": [{{"from": {{"value": 10800, "unit": "s"}}}}]}}}}}}}},
+        "jobs": {{"missing": {{"diagnose": {{"effects": ["input-proportional-load"]}}}}}}}}"#
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let files = [("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", pass.as_str())];
+    small_study::diagnosed(&small_study::loaded(folder.path(), &files))
+}
+
+#[test]
+fn a_further_step_whose_place_is_open_is_named_and_not_added() {
+    let output = diagnosed(0.004);
+    assert_eq!(output.selected, ["input-proportional-load:panel:lamp"], "{:?}", output.words);
+    let [_, last] = output.steps.as_slice() else { panic!("{:?}", output.steps) };
+    assert_eq!(last.effect, None);
+    let mut next = last.alternatives.clone();
+    next.sort();
+    assert_eq!(next, ["input-proportional-load:box:beam", "input-proportional-load:lid:beam"]);
+    let said = "where more is missing is open; input-proportional-load:";
+    assert!(output.words.iter().any(|words| words.contains(said)), "{:?}", output.words);
+}
