@@ -66,7 +66,7 @@ fn a_law_of_temperature_refers_to_where_cold_hardware_works_and_the_next_pass_sa
     let said = printed(&study, &["diagnose", "pass-1.json"]);
     let celsius = (reference_k - 273.15).round();
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains(&format!("from its value at {celsius} degC")), "{said}");
+    assert!(said.contains(&format!("(reference temperature {celsius} degC)")), "{said}");
 
     printed(&study, &["adopt", "pass-1.json"]);
     let next: Value = serde_json::from_str(&fs::read_to_string(study.join("pass-2.json")).unwrap()).unwrap();

@@ -318,7 +318,7 @@ fn what_the_data_do_not_settle_is_adopted_by_name_with_its_odds() {
     let kind = json!({"kinds": [{"group": 1, "what": "heat between `box` and `detector`", "open": "whose law", "probability": 0.99}]});
     let of_kind = whole(kind);
     let next = adopt(&study, &of_kind, &["conductive-path"], false).expect("adopted");
-    let said = "heat between `box` and `detector` is missing (probability 0.990), whose law is open; these data leave open whether it is `conductive-path:box:detector` (probability 0.980); its rivals: `radiative-path:box:detector` (0.010)";
+    let said = "what is missing is heat between `box` and `detector`, whose law is open (probability 0.990); these data leave open whether it is `conductive-path:box:detector` (probability 0.980); its rivals: `radiative-path:box:detector` (0.010)";
     assert_eq!(next.warnings.plain()[0].message, said);
     // What shares no group with it: other sets.
     let mut alone = found.clone();

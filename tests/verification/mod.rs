@@ -44,7 +44,7 @@ mod radiator_campaign;
 mod refused_step;
 pub mod sensitivity;
 mod signature;
-mod small_study;
+pub mod small_study;
 mod solar_monitor;
 mod solar_monitor_flight;
 mod steady;

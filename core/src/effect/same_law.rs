@@ -6,7 +6,7 @@ use crate::expression::{ExprId, Graph, Names, Scope, Symbol, parse};
 
 use super::candidate::Candidate;
 use super::catalogue::Catalogue;
-use super::checked::{Effect, REFERENCE, REFERENCE_SYMBOL};
+use super::checked::{Effect, REFERENCE, REFERENCE_K, REFERENCE_SYMBOL};
 use super::form::AddsForm;
 
 /// Without effects of the program where a study's own is the same law: no data tell the two apart.
@@ -73,11 +73,11 @@ impl Effect {
         })
     }
 
-    /// Whether it changes something from what it is at a reference temperature.
+    /// Whether its factor names a reference temperature.
     pub fn has_reference(&self) -> bool {
-        let mut graph = Graph::new();
-        let factor = self.factor(&mut graph);
-        factor.is_some_and(|factor| graph.symbols(factor).contains(&REFERENCE_SYMBOL))
+        let is_of_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+        let names = |text: &str| text.split(|letter| !is_of_word(letter)).any(|word| word == REFERENCE);
+        self.form.adds.value.factor.as_ref().is_some_and(|factor| names(&factor.value))
     }
 
     /// Its factor over what it may depend on: its parameters and inputs by their positions in its file, temperatures, which are nodes,
@@ -85,11 +85,19 @@ impl Effect {
     /// `None` where it is no factor, or takes the ends of an input's range.
     pub fn factor(&self, graph: &mut Graph) -> Option<ExprId> {
         let order: Vec<u32> = (0u32..).take(self.form.inputs.len()).collect();
-        self.law(&self.form.adds.value.factor.as_ref()?.value, graph, &order)
+        let reference = graph.symbol(REFERENCE_SYMBOL);
+        self.law_at(&self.form.adds.value.factor.as_ref()?.value, graph, &order, reference)
     }
 
-    /// An expression of the effect where its inputs stand for these of a model; `None` where it does not parse.
+    /// An expression of the effect where its inputs stand for these of a model, with the reference temperature of what states none; `None`
+    /// where it does not parse.
     fn law(&self, text: &str, graph: &mut Graph, inputs: &[u32]) -> Option<ExprId> {
+        let reference = graph.number(REFERENCE_K);
+        self.law_at(text, graph, inputs, reference)
+    }
+
+    /// The same with a reference temperature.
+    fn law_at(&self, text: &str, graph: &mut Graph, inputs: &[u32], reference: ExprId) -> Option<ExprId> {
         let mut names = Names::default();
         for (index, entry) in (0u32..).zip(&self.form.parameters) {
             names.values.insert(entry.name.clone(), graph.symbol(Symbol::Parameter(index)));
@@ -103,7 +111,7 @@ impl Effect {
             self.form.inputs.names().zip(inputs).map(|(name, &input)| (name, graph.symbol(Symbol::Input(input)))),
         );
         if is_free(REFERENCE) {
-            locals.push((REFERENCE, graph.symbol(REFERENCE_SYMBOL)));
+            locals.push((REFERENCE, reference));
         }
         parse(text, graph, &Scope::with(&names, locals)).ok()
     }

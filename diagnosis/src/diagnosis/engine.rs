@@ -325,6 +325,11 @@ impl Diagnosis {
         measurement_of_reading.readings[place] = None;
     }
 
+    /// Takes the temperatures about which the hardware worked from the readings that are left.
+    pub(crate) fn work_where_read(&mut self) {
+        self.problem.work_where_read();
+    }
+
     /// The problem with the estimated noise as if it were known, and bounds on the steps of transients.
     pub(crate) fn with_noise(&self, noise: &[SensorNoise], most_steps: &[u64]) -> Problem {
         let mut problem = Problem { most_steps: most_steps.to_vec(), ..self.problem.clone() };

@@ -273,6 +273,9 @@ impl Diagnosis {
         for one in left_out {
             remaining.forget(one.measurement, one.row, one.sensor);
         }
+        if !left_out.is_empty() {
+            remaining.work_where_read();
+        }
         remaining
     }
 

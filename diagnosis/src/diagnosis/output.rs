@@ -215,8 +215,7 @@ pub struct EffectResult {
     /// Date and time from which on it is there, where it sets in at a date and the record says when its time is 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub since: Option<String>,
-    /// Temperature at which its law leaves what it changes as it is, K, where it has one that is not 20 degC: about which its place
-    /// worked, to 10 degC.
+    /// Reference temperature of its law, K, where that is not 20 degC: the temperature about which its place worked, to 10 degC.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_k: Option<f64>,
     /// Errors without it and with it, the rest of its best set given.
@@ -318,6 +317,9 @@ pub struct StoryStep {
     pub beside_later: bool,
     /// Ids of what else is likely at this step, most probable first.
     pub alternatives: Vec<String>,
+    /// At the end, whether more is missing and it is open where: `alternatives` are what may be next.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub open: bool,
 }
 
 /// An effect that the data cannot see.

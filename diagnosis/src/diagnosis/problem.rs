@@ -46,7 +46,8 @@ pub struct Problem {
     pub independent_readings: f64,
     /// Names of the effects that are considered; empty: all.
     pub considered: Vec<String>,
-    /// Temperature about which each node of the model worked, K, of [`crate::diagnosis::working_temperatures_k`]; may be shorter.
+    /// Temperature about which each node of the model worked, K, of [`crate::diagnosis::working_temperatures_k`]; may be shorter. Empty in
+    /// twins that are not of a study: there laws of temperature refer to 20 degC.
     pub working_temperatures_k: Arc<Vec<Option<f64>>>,
     /// Pairs of nodes between which effects are sought, where the model is too large for all.
     pub places: Places,

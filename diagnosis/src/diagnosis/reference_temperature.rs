@@ -4,13 +4,15 @@
 //! there, to which no straight line leads from room temperature: the conductance of a strap at 150 K is known at 150 K, and a law by which
 //! it changes leaves it as it is there.
 
+use std::sync::Arc;
+
 use crate::diagnosis::Problem;
 use crate::diagnosis::channel::median;
 use crate::effect::{Candidate, PlaceKind, REFERENCE_K, Site};
 use crate::expression::unit::CELSIUS_ZERO_K;
 use crate::expression::{ExprId, Symbol, Term};
 use crate::measurement::Measurement;
-use crate::thermal::{Model, NodeKind};
+use crate::thermal::{Model, NodeKind, Quantity};
 
 /// Places that work so near [`REFERENCE_K`] have it as their reference: a line through 20 degC holds there.
 const NEAR_K: f64 = 60.0;
@@ -23,8 +25,7 @@ pub fn working_temperatures_k(model: &Model, measurements: &[Measurement]) -> Ve
     let mut readings: Vec<Vec<f64>> = vec![Vec::new(); model.nodes.len()];
     for measurement in measurements {
         for (position, sensor) in measurement.sensors.iter().enumerate() {
-            let quantity = model.quantities.get(sensor.quantity);
-            let node = quantity.and_then(|quantity| node_of(model, quantity.value.expression()));
+            let node = model.quantities.get(sensor.quantity).and_then(|quantity| node_of(model, quantity));
             if let Some(own) = node.and_then(|node| readings.get_mut(node)) {
                 own.extend(measurement.fitted_rows().filter_map(|row| measurement.reading(row, position)));
             }
@@ -40,12 +41,23 @@ pub fn working_temperatures_k(model: &Model, measurements: &[Measurement]) -> Ve
     known
 }
 
-/// The node whose temperature an expression is.
-fn node_of(model: &Model, expression: ExprId) -> Option<usize> {
-    match model.graph.term(expression) {
-        Term::Symbol(Symbol::Node(node)) => Some(node as usize),
+/// The same of a model to which nodes were added: they work about the temperatures of their neighbours.
+pub(crate) fn extended(model: &Model, known: &[Option<f64>]) -> Vec<Option<f64>> {
+    let mut all = known.to_vec();
+    all.resize(model.nodes.len(), None);
+    spread(model, &mut all);
+    all
+}
+
+/// The node whose temperature a sensor reads, a fault of the sensor aside.
+fn node_of(model: &Model, quantity: &Quantity) -> Option<usize> {
+    let symbols = model.graph.symbols(quantity.value.expression());
+    let mut nodes = symbols.iter().filter_map(|symbol| match symbol {
+        Symbol::Node(node) => Some(*node as usize),
         _ => None,
-    }
+    });
+    let only = nodes.next().filter(|_| quantity.is_temperature)?;
+    nodes.all(|other| other == only).then_some(only)
 }
 
 /// Temperature of a boundary that is a number or an input.
@@ -89,17 +101,31 @@ fn spread(model: &Model, known: &mut [Option<f64>]) {
 }
 
 impl Problem {
+    /// Takes the temperatures about which the hardware worked from the readings that it has now.
+    pub(crate) fn work_where_read(&mut self) {
+        if !self.working_temperatures_k.is_empty() {
+            self.working_temperatures_k = Arc::new(working_temperatures_k(&self.model, &self.measurements));
+        }
+    }
+
     /// Reference temperature of an effect at a place, K: [`REFERENCE_K`] where the place worked within 60 K of it, and where nothing
     /// tells; else the temperature about which it worked, to 10 degC. Of a path it is the mean of its ends', of radiation the hotter end's, from which most of the heat comes; of several
     /// places their mean.
     pub fn reference_k(&self, candidate: &Candidate) -> f64 {
         let at = |node: &usize| self.working_temperatures_k.get(*node).copied().flatten();
+        let is_boundary = |node: &usize| matches!(self.model.nodes[*node].kind, NodeKind::Boundary { .. });
         let of_element = |element: &usize| {
             let element = self.model.elements.get(*element)?;
             let physics = element.kind.physics();
             let nodes = physics.between().map_or_else(|| physics.heated().into_iter().collect(), Vec::from);
-            let ends = nodes.iter().filter_map(at);
-            if PlaceKind::Radiation.is_element(element) { ends.reduce(f64::max) } else { mean(ends.collect()) }
+            let all: Vec<f64> = nodes.iter().filter_map(at).collect();
+            // A boundary alone, as deep space, says nothing of what sees it.
+            let known = if all.len() == nodes.len() {
+                all
+            } else {
+                nodes.iter().filter(|node| !is_boundary(node)).filter_map(at).collect()
+            };
+            if PlaceKind::Radiation.is_element(element) { known.into_iter().reduce(f64::max) } else { mean(known) }
         };
         let places: Vec<f64> = match &candidate.site {
             Site::Elements(elements) => elements.iter().filter_map(of_element).collect(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, GroupKind, OneThing};
+use crate::diagnosis::output::{DiscriminatingExperiment, EffectResult, OneThing};
 use crate::diagnosis::verdict::experiment_words::repeated;
 use crate::diagnosis::{Output, Verdict};
 use crate::document::visible::shell_word;
@@ -331,10 +331,8 @@ fn odds(diagnosis: &Output, chosen: &[&EffectResult]) -> String {
     let rivals = if named.is_empty() { String::new() } else { format!("; its rivals: {}", named.join(", ")) };
     let probability_clause = joint_probability.map_or_else(String::new, |odds| format!(" (probability {odds})"));
     let effects = suggest::listed(ids, MOST_LISTED);
-    match settled_kinds(diagnosis, chosen) {
-        Some(kinds) => format!("{kinds}; these data leave open whether it is {effects}{probability_clause}{rivals}"),
-        None => format!("these data leave open whether it is {effects}{probability_clause}{rivals}"),
-    }
+    let settled = settled_kinds(diagnosis, chosen).map_or_else(String::new, |kinds| format!("{kinds}; "));
+    format!("{settled}these data leave open whether it is {effects}{probability_clause}{rivals}")
 }
 
 /// What is missing for sure where each of some effects is settled, or one law of something that is. `None` where one is open, and
@@ -343,12 +341,18 @@ fn settled_kinds(diagnosis: &Output, chosen: &[&EffectResult]) -> Option<String>
     if !chosen.iter().all(|effect| diagnosis.is_settled(effect)) {
         return None;
     }
-    let in_words = |kind: &GroupKind| {
-        format!("{} is missing (probability {}), {} is open", kind.what, probability_text(kind.probability), kind.open)
-    };
-    let mut kinds: Vec<String> =
-        chosen.iter().filter_map(|effect| diagnosis.settled_kind_of(effect)).map(in_words).collect();
-    kinds.dedup();
+    let mut kinds: Vec<String> = Vec::new();
+    for kind in chosen.iter().filter_map(|effect| diagnosis.settled_kind_of(effect)) {
+        let words = format!(
+            "what is missing is {}, {} is open (probability {})",
+            kind.what,
+            kind.open,
+            probability_text(kind.probability)
+        );
+        if !kinds.contains(&words) {
+            kinds.push(words);
+        }
+    }
     (!kinds.is_empty()).then(|| kinds.join("; "))
 }
 

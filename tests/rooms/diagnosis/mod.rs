@@ -9,6 +9,7 @@ mod memory;
 mod noise;
 mod odds;
 mod places;
+mod reference_temperature;
 pub mod screening;
 mod search;
 mod story;

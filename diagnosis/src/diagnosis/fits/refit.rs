@@ -12,6 +12,7 @@ use crate::diagnosis::fits::size::is_within_model;
 use crate::diagnosis::fits::threshold_gaps::{Flat, together};
 use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::prior_scale::{Amplitudes, IMPLAUSIBLE, WIDTHS};
+use crate::diagnosis::reference_temperature::extended;
 use crate::diagnosis::{Hypothesis, Problem};
 use crate::document::packed;
 use crate::effect::Site;
@@ -323,7 +324,8 @@ impl Problem {
     pub fn with(&self, fit: &Refit) -> Result<Problem, FitError> {
         let Hypothesis { model, priors, parameters, measurements, .. } =
             self.hypothesis_of_widths(&fit.effects, &fit.widths)?;
-        Ok(Problem { model: Arc::new(model), priors, parameters, measurements, ..self.clone() })
+        let working_temperatures_k = Arc::new(extended(&model, &self.working_temperatures_k));
+        Ok(Problem { model: Arc::new(model), priors, parameters, measurements, working_temperatures_k, ..self.clone() })
     }
 
     /// Of each effect's parameters, which are amplitudes.

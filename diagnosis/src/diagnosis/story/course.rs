@@ -6,9 +6,7 @@ use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::fits::held_level::HeldLevel;
 use crate::diagnosis::odds::logged_heat::follow_heat_of;
 use crate::diagnosis::odds::posterior_odds::{RIVALS_WITHIN, gains_unseen};
-use crate::diagnosis::story::rules::{
-    AskedOfUnseen, CLEARLY, Gain, Weighed, explains_what_control_does, pays_by, says_where,
-};
+use crate::diagnosis::story::rules::{AskedOfUnseen, CLEARLY, Gain, Weighed, explains_what_control_does, pays_by};
 use crate::diagnosis::story::sets::{Logs, first_by_weight, gain, goes_before, is_implausible, pays};
 use crate::diagnosis::story::step::{Addition, Step};
 
@@ -34,6 +32,8 @@ pub(crate) struct Story {
     pub holding: Option<Holding>,
     /// Of each candidate whether it follows a heat that a control makes.
     pub follows_control: Vec<bool>,
+    /// Whether it ends since a further step does not say where something is missing.
+    pub is_open: bool,
 }
 
 /// The most probable effect of those that hold a temperature at which a control of a logged heat holds the readings.
@@ -211,36 +211,18 @@ impl Diagnosis {
         story
     }
 
-    /// The steps before the first further one that does not say where something is missing: what it gains is as likely to be missing
-    /// elsewhere, or errors of the model. The diagnosis of the next pass, which has the steps before it, asks again.
-    pub(crate) fn until_open(&self, state: &State, mut story: Story) -> Story {
-        let is_open = |(number, step): (usize, &Step)| {
-            number > 0 && step.chosen.is_some_and(|place| !says_where(self.share_of_place(step, place)))
-        };
-        while let Some(number) = story.steps.iter().enumerate().position(is_open) {
-            let logs = story.weights();
-            let end = story.sets[number];
-            let shortened = self.along(state, &logs, story.sets[..=number].to_vec(), end);
-            let next = self.step(state, &logs, end, AskedOfUnseen::FallUnlessClear);
-            story.sets = shortened.sets;
-            story.steps = shortened.steps;
-            story.steps.push(Step { chosen: None, ..next });
-            story.refused = refused(state, &logs, &story);
-        }
-        story
-    }
-
-    /// Probability, among all that may be added at a step and nothing, that something is missing where the effect acts that leads to a
-    /// set.
-    fn share_of_place(&self, step: &Step, place: usize) -> f64 {
-        let candidates = &self.problem().candidates;
-        let Some(own) = step.additions.iter().find(|one| one.place == place) else { return 0.0 };
-        let own = &candidates[own.effect];
-        let is_there = |one: &&Addition| {
-            let other = &candidates[one.effect];
-            own.site == other.site || own.goes_before_member(other) || other.goes_before_member(own)
-        };
-        step.additions.iter().filter(is_there).map(|one| one.probability).sum()
+    /// A story as far as before a step, by its position, of which the place is open.
+    pub(crate) fn cut(&self, state: &State, story: &Story, number: usize) -> Story {
+        let (logs, sets) = (story.weights(), story.sets[..=number].to_vec());
+        let end = sets[number];
+        // What shows only beside later steps is judged beside those that are left.
+        let again = self.along(state, &logs, sets.clone(), end).steps;
+        let all = story.steps.iter().zip(again).zip(&sets);
+        let own = all.map(|((own, again), &set)| if own.before == set { own.clone() } else { again });
+        let mut steps: Vec<Step> = own.collect();
+        let next = self.step(state, &logs, end, AskedOfUnseen::FallUnlessClear);
+        steps.push(Step { chosen: None, failing: Vec::new(), ..next });
+        Story { sets, steps, is_open: true, ..story.clone() }
     }
 
     /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole

@@ -31,9 +31,6 @@ pub(crate) const MINOR_SHARE: f64 = 0.2;
 const SPEAKS_AGAINST: f64 = -1.0;
 /// The same where what speaks for the effect outweighs it clearly: what is more is strong evidence (Kass & Raftery 1995).
 const SPEAKS_STRONGLY_AGAINST: f64 = -3.0;
-/// Probability of odds of 3.
-const SAYS_WHERE: f64 = 0.75;
-
 /// Whether the error on unseen rows rises clearly from a set to one that follows it.
 pub fn rises(errors: [Option<f64>; 2]) -> bool {
     matches!(errors, [Some(before), Some(after)] if after > RISES * before)
@@ -167,12 +164,6 @@ pub fn pays_by(gain: Gain, is_first: bool, asked: AskedOfUnseen) -> bool {
     gain.log_odds > 0.0
         && (is_first || !gain.is_against_fitted())
         && if may_stay { !rises(gain.unseen) } else { falls(gain.unseen) }
-}
-
-/// Whether a further step says where something is missing, by the probability that it is there among all that may be added and nothing:
-/// odds below 3 are not worth more than a bare mention (Kass & Raftery 1995).
-pub fn says_where(probability: f64) -> bool {
-    probability >= SAYS_WHERE
 }
 
 /// What may be added at a step, as it is weighed.

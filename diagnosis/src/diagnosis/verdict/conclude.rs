@@ -83,8 +83,7 @@ impl Diagnosis {
             |why: NoHeat| format!("heat of unknown origin could not be compared with the effects: {}", why.in_words());
         warnings.extend(no_heat.map(uncompared));
         let of_blocks = || self.log_likelihoods_of_blocks(state);
-        let story = || self.until_open(state, self.story(state));
-        let story = state.is_misspecified().then(|| Story { of_blocks: of_blocks(), ..story() });
+        let story = state.is_misspecified().then(|| Story { of_blocks: of_blocks(), ..self.story(state) });
         let mut findings = Findings {
             problem: &problem,
             state,
@@ -191,6 +190,12 @@ impl Diagnosis {
             // What leaves too much explains nothing, however probable it is among what was fitted.
             let effects = state.refits.iter().flat_map(|refit| &refit.effects);
             findings.model_errors = effects.map(|&effect| (effect, IS_MODEL_ERROR)).collect();
+        }
+        if findings.selected > 0 && self.end_where_open(&mut findings) {
+            let selected = findings.selected;
+            held_out_test = test_of(selected);
+            // What it leaves is stated.
+            self.leaves_nothing(&mut findings, selected);
         }
         let selected: Vec<String> =
             findings.in_order().into_iter().map(|effect| findings.id(effect).to_owned()).collect();

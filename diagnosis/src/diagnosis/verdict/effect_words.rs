@@ -47,7 +47,7 @@ pub fn size(effect: &EffectResult, onset: Option<&Amount>) -> String {
     })
 }
 
-/// From where a law of temperature changes what it changes, and at which value of an input or a node an effect acts, after a comma.
+/// The reference temperature of a law of temperature, and at which value of an input or a node an effect acts, after a comma.
 pub fn level(effect: &EffectResult) -> String {
     let one = |(name, amount): (&String, &Amount)| {
         let level = amount.level.as_ref()?;
@@ -61,7 +61,7 @@ pub fn level(effect: &EffectResult) -> String {
     };
     // A whole number of degrees.
     let celsius = |reference_k: f64| (reference_k - CELSIUS_ZERO_K).round();
-    let reference = effect.reference_k.map(|own| format!(" from its value at {} degC", celsius(own)));
+    let reference = effect.reference_k.map(|own| format!(" (reference temperature {} degC)", celsius(own)));
     reference.into_iter().chain(effect.amplitudes.iter().filter_map(one)).collect()
 }
 

@@ -75,6 +75,21 @@ impl Changed {
     }
 }
 
+/// Whether two effects change the same thing, by whatever law: heat of the same nodes, the same path, conductance or readings, what is
+/// stored anywhere; or one acts on a group that has the other's place.
+pub fn are_one_thing(a: &Candidate, b: &Candidate, problem: &Problem) -> bool {
+    if a.site == b.site || a.goes_before_member(b) || b.goes_before_member(a) {
+        return true;
+    }
+    let of = |candidate: &Candidate| Some(Changed::of(candidate, problem)?.beside_boundary(&problem.model));
+    match (of(a), of(b)) {
+        (Some(Changed::Heat { nodes: own, .. }), Some(Changed::Heat { nodes: other, .. })) => own == other,
+        (Some(Changed::Store(_)), Some(Changed::Store(_))) => true,
+        (Some(own), Some(other)) => own == other,
+        _ => false,
+    }
+}
+
 /// What effects are together and what the readings do not tell of it; `None` where there is one, or they are of several kinds or at several
 /// places. Stores of heat are one kind at several places too: then the place is open.
 pub fn one_kind(effects: &[&EffectResult], problem: &Problem) -> Option<(String, &'static str)> {

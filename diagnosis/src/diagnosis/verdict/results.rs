@@ -113,6 +113,7 @@ impl Findings<'_> {
                 },
                 beside_later: step.before != earlier,
                 alternatives: alternatives.into_iter().map(|effect| self.id(effect).to_owned()).collect(),
+                open: story.is_open && step.chosen.is_none(),
             }
         };
         story.steps.iter().zip(&story.sets).map(result).collect()

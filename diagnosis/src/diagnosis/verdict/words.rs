@@ -5,7 +5,7 @@ use crate::diagnosis::output::{
     DiscriminatingExperiment, EffectResult, GroupKind, OneThing, Output, RISES, StoryStep, Verdict,
 };
 use crate::diagnosis::screening::screen::AT_BOUNDS;
-use crate::diagnosis::story::rules::{AskedOfUnseen, falls, pays_by, rises};
+use crate::diagnosis::story::rules::{falls, rises};
 use crate::diagnosis::story::step::Addition;
 use crate::diagnosis::verdict::discriminating_experiment::is_worth_a_test;
 use crate::diagnosis::verdict::effect_words::{
@@ -15,9 +15,7 @@ use crate::diagnosis::verdict::experiment_words::{beyond_what_was_measured, beyo
 use crate::diagnosis::verdict::far_from_priors;
 use crate::diagnosis::verdict::findings::{Findings, SetAside};
 use crate::diagnosis::verdict::lumped_nodes::lumped_k;
-use crate::diagnosis::verdict::numbers::{
-    joined, kelvins, kelvins_before_and_after, or_joined, short, stated_amount, with_error,
-};
+use crate::diagnosis::verdict::numbers::{joined, kelvins, kelvins_before_and_after, short, stated_amount, with_error};
 use crate::diagnosis::verdict::one_kind::laws;
 use crate::diagnosis::verdict::precedence;
 use crate::diagnosis::verdict::small_effects::is_curve_of_few_phases;
@@ -132,12 +130,7 @@ pub enum Against {
     Unseen,
     /// The fitted rows.
     Fitted,
-    /// Others that gain about as much.
-    Others,
 }
-
-/// Effects that are named as what may be next.
-const MOST_NEXT: usize = 3;
 
 /// Why a story ends; `against` says what speaks against that which would be next, where it is more probable than nothing.
 pub fn ends(step: &StoryStep, against: Option<Against>) -> Option<String> {
@@ -151,10 +144,6 @@ pub fn ends(step: &StoryStep, against: Option<Against>) -> Option<String> {
             ),
             Against::Fitted => format!(
                 "No further step is taken: {next} would predict the unseen rows better, but the fitted rows speak against it."
-            ),
-            Against::Others => format!(
-                "No further step is taken: where more is missing is open; {} would lower the error.",
-                or_joined(&step.alternatives[..step.alternatives.len().min(MOST_NEXT)])
             ),
         });
     }
@@ -454,21 +443,9 @@ pub(crate) fn verdict(output: &Output, findings: &Findings<'_>, false_alarm: f64
                 let last = story.steps.last()?;
                 let next = last.additions.first().filter(|next| next.probability > last.stays)?;
                 let gain = story.gain(findings.state, last.before, next.place);
-                Some(
-                    if pays_by(
-                        gain,
-                        findings.state.refits[last.before].effects.is_empty(),
-                        AskedOfUnseen::FallUnlessClear,
-                    ) {
-                        Against::Others
-                    } else if gain.is_against_fitted() {
-                        Against::Fitted
-                    } else {
-                        Against::Unseen
-                    },
-                )
+                Some(if gain.is_against_fitted() { Against::Fitted } else { Against::Unseen })
             });
-            words.extend(output.steps.last().and_then(|step| ends(step, against)));
+            words.extend(findings.open_end().or_else(|| output.steps.last().and_then(|step| ends(step, against))));
             for effect in &selected {
                 words.extend(law(output, effect, findings.problem));
                 words.extend(effect.hints.iter().map(|hint| format!("{}: {}", effect.id, lower(hint))));

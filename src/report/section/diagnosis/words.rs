@@ -134,7 +134,7 @@ pub(in crate::report::section) fn size(effect: &EffectResult) -> Option<(String,
     let when = onset.map_or_else(String::new, |(name, amount)| format!("{}{at}", since(name, amount)));
     let level: String = effect.amplitudes.iter().filter_map(|(name, value)| level(name, value)).collect();
     let about = effect.reference_k.map_or_else(String::new, |reference_k| {
-        format!(" from its value at {}\u{A0}\u{B0}C", fixed(reference_k - CELSIUS_ZERO_K, 0))
+        format!(" (reference temperature {}\u{A0}\u{B0}C)", fixed(reference_k - CELSIUS_ZERO_K, 0))
     });
     Some((name.clone(), format!("{size}{about}{level}{when}")))
 }

@@ -222,7 +222,9 @@ fn steps(output: &Output) -> Vec<Statement> {
     let added: Vec<(&String, &StoryStep)> =
         output.steps.iter().filter_map(|step| step.effect.as_ref().map(|id| (id, step))).collect();
     // Else the most effects that a set may have are there.
-    let has_ended = output.steps.last().is_some_and(|step| step.effect.is_none());
+    let end = output.steps.last().filter(|step| step.effect.is_none());
+    let ended =
+        end.map(|end| if end.open { " Where more is missing is open." } else { " No further effect is added." });
     let shown = added.iter().take(MOST_STEPS).enumerate().filter_map(|(position, (id, step))| {
         let [before, after] = step.rmse_k.train;
         let train = change(before, after)?;
@@ -242,8 +244,7 @@ fn steps(output: &Output) -> Vec<Statement> {
         let is_last = position + 1 == added.len().min(MOST_STEPS);
         let text = match added.len() - added.len().min(MOST_STEPS) {
             _ if !is_last => text,
-            0 if has_ended => text.plain(" No further effect is added."),
-            0 => text,
+            0 => text.plain(ended.unwrap_or_default()),
             more => text.plain(format!(" {} follow; the diagnosis lists them.", counted(more, "smaller step"))),
         };
         let status = Some(if fell { Status::Ok } else { Status::Caution });

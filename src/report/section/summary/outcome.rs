@@ -316,12 +316,6 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
                 let text = Text::default().code(format!("{adopt}{ids}"));
                 return Some(text.plain(" adopts what is settled; the rest stays open."));
             }
-            Verdict::Ambiguous if !output.selected.is_empty() && is_settled_but_for_laws(output) => {
-                let ids = output.selected.iter().map(|id| format!(" {}", shell_word(id))).collect::<String>();
-                let text =
-                    Text::new("What is missing is settled, its law is open: adopt the law that you know, as in ");
-                return Some(text.code(format!("{adopt}{ids}")).plain("."));
-            }
             Verdict::Ambiguous if parted(output).is_some() => {
                 let text = apart(Text::new("Measure a phase that tells "), parted(output).unwrap_or_default());
                 return Some(text.plain(": ").code(command("diagnose")).plain(" names its conditions."));
@@ -334,6 +328,13 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
                 let no_longer = if step.ends_early { ", no longer" } else { "" };
                 let text = text.plain(format!("{}{no_longer}: it tells ", time(step.duration_s)));
                 return Some(apart(text, rivals).plain(format!(" with probability {}.", chance(step.probability))));
+            }
+            Verdict::Ambiguous if !output.selected.is_empty() && is_settled_but_for_laws(output) => {
+                let ids = output.selected.iter().map(|id| format!(" {}", shell_word(id))).collect::<String>();
+                let text = Text::new(
+                    "What is missing is settled, which effect it is is open: adopt the one that you know, as in ",
+                );
+                return Some(text.code(format!("{adopt}{ids}")).plain("."));
             }
             Verdict::Ambiguous | Verdict::Unexplained => {
                 let text = Text::default().code(command("diagnose"));

@@ -3,7 +3,7 @@
 use bmv::diagnosis::story::rules::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::rules::{
     Gain, LawOfStep, Weighed, curve_goes_first, explains_on_both, explains_what_control_does,
-    explains_what_several_inputs_do, falls, first_likely, least_lead, pays_by, rises, says_where, serves_as_well,
+    explains_what_several_inputs_do, falls, first_likely, least_lead, pays_by, rises, serves_as_well,
     surface_explains_alike, whole_surface_first,
 };
 
@@ -57,13 +57,6 @@ fn a_further_effect_does_not_pay_where_the_fitted_rows_speak_against_it() {
     let outweighed = |fitted: f64| Gain { log_odds: 11.0, ..by(fitted) };
     assert!(pays_by(outweighed(-2.9), false, Fall) && pays_by(outweighed(-2.9), false, FallUnlessClear));
     assert!(!pays_by(outweighed(-3.1), false, Fall), "nothing outweighs strong evidence");
-}
-
-/// Odds of 3.
-#[test]
-fn a_further_step_says_where_something_is_missing_or_is_none() {
-    assert!(says_where(0.75) && says_where(1.0));
-    assert!(!says_where(0.74) && !says_where(0.0));
 }
 
 /// Ten times as probable, and the unseen rows speak against it.
