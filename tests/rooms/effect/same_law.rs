@@ -20,6 +20,27 @@ fn a_studys_own_law_stands_in_the_place_of_the_programs() {
     assert!(!effect("spreading").is_same_law(effect("input-proportional-load")), "heat, not a reading");
 }
 
+/// A law of temperature whose own reference is 20 degC.
+#[test]
+fn a_reference_temperature_that_is_written_out_is_that_of_what_states_none() {
+    let mut diagnostics = Diagnostics::new();
+    let mut catalogue = Catalogue::embedded(&mut diagnostics);
+    let own = |reference: f64| {
+        format!(
+            r#"{{"format": "bmv-effect/1", "title": "Own", "applies": {{"conductor": {{}}}},
+            "parameters": {{"b": {{"unit": "1/K", "prior": {{"normal": {{"mean": 0, "sd": 0.01}}}}}}}},
+            "adds": {{"factor": "1 + b * (Tm - {reference})"}}, "source": "a data sheet"}}"#
+        )
+    };
+    for (name, reference) in [("at-20-degc", 293.15), ("at-0-degc", 273.15)] {
+        catalogue.read(name, "own.json", own(reference).as_bytes(), &mut diagnostics).expect("read");
+    }
+    let effect = |name: &str| catalogue.get(name).expect("there");
+    let law = effect("temperature-dependent-conductance");
+    assert!(effect("at-20-degc").is_same_law(law) && !effect("at-0-degc").is_same_law(law));
+    assert!(law.has_reference() && !effect("at-20-degc").has_reference());
+}
+
 #[test]
 fn heat_in_proportion_to_one_input_is_known_by_its_law() {
     let catalogue = Catalogue::embedded(&mut Diagnostics::new());
