@@ -47,5 +47,5 @@ fn a_place_refers_to_where_it_worked_if_that_is_far_from_room_temperature() {
     assert_eq!(of("dissipation-temperature:dissipation"), (-150, Some(-150)));
     // 300 K is near: 20 degC. So is nothing that has no such law.
     assert_eq!(of("dissipation-temperature:heater"), (20, None));
-    assert_eq!(of("conductive-path:head:box").1, None);
+    assert_eq!(of("conductive-path:box:head").1, None);
 }
