@@ -109,8 +109,8 @@ impl Problem {
     }
 
     /// Reference temperature of an effect at a place, K: [`REFERENCE_K`] where the place worked within 60 K of it, and where nothing
-    /// tells; else the temperature about which it worked, to 10 degC. Of a path it is the mean of its ends', of radiation the hotter end's, from which most of the heat comes; of several
-    /// places their mean.
+    /// tells; else the temperature about which it worked, to 10 degC. Of a path it is the mean of its ends', of radiation the hotter
+    /// end's, from which most of the heat comes; of several places their mean.
     pub fn reference_k(&self, candidate: &Candidate) -> f64 {
         let at = |node: &usize| self.working_temperatures_k.get(*node).copied().flatten();
         let is_boundary = |node: &usize| matches!(self.model.nodes[*node].kind, NodeKind::Boundary { .. });
