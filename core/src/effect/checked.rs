@@ -414,7 +414,7 @@ const RATE: &str = "rate";
 /// Zero of what a sensor measures, likewise.
 const ZERO: &str = "zero";
 
-/// The reference temperature of a factor, in a factor only: the factor is 1 there where it is a change from what was measured at it.
+/// The reference temperature, in a factor only: a law of temperature is 1 there.
 pub(super) const REFERENCE: &str = "Tr";
 /// What stands for it in an expression of the effect alone.
 pub const REFERENCE_SYMBOL: Symbol = Symbol::Local(u32::MAX);

@@ -137,7 +137,7 @@ impl Problem {
         far.map_or(REFERENCE_K, rounded)
     }
 
-    /// The same where the effect refers to a temperature, and not to that which an effect has that states none.
+    /// The same where the effect refers to a temperature that is not [`REFERENCE_K`], so that a pass has to state it.
     pub fn stated_reference_k(&self, candidate: &Candidate) -> Option<f64> {
         let effect = self.catalogue.get(&candidate.effect)?;
         Some(self.reference_k(candidate)).filter(|&own| own != REFERENCE_K && effect.has_reference())

@@ -31,6 +31,7 @@ pub(crate) const MINOR_SHARE: f64 = 0.2;
 const SPEAKS_AGAINST: f64 = -1.0;
 /// The same where what speaks for the effect outweighs it clearly: what is more is strong evidence (Kass & Raftery 1995).
 const SPEAKS_STRONGLY_AGAINST: f64 = -3.0;
+
 /// Whether the error on unseen rows rises clearly from a set to one that follows it.
 pub fn rises(errors: [Option<f64>; 2]) -> bool {
     matches!(errors, [Some(before), Some(after)] if after > RISES * before)

@@ -20,7 +20,7 @@ const SAYS_WHERE: f64 = 0.75;
 const MOST_NEXT: usize = 3;
 
 /// Whether a further step says where something is missing, by the probability that it is there.
-pub fn says_where(probability: f64) -> bool {
+fn says_where(probability: f64) -> bool {
     probability >= SAYS_WHERE
 }
 

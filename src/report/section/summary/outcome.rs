@@ -331,9 +331,8 @@ pub(super) fn next_step(report: &PassReport<'_>) -> Option<Text> {
             }
             Verdict::Ambiguous if !output.selected.is_empty() && is_settled_but_for_laws(output) => {
                 let ids = output.selected.iter().map(|id| format!(" {}", shell_word(id))).collect::<String>();
-                let text = Text::new(
-                    "What is missing is settled, which effect it is is open: adopt the one that you know, as in ",
-                );
+                let text =
+                    Text::new("What is missing is settled, but not by which law: adopt the one that you know, as in ");
                 return Some(text.code(format!("{adopt}{ids}")).plain("."));
             }
             Verdict::Ambiguous | Verdict::Unexplained => {
