@@ -1,6 +1,7 @@
 //! A further step of which the place is open is none: the output names the places.
 
 use bmv::diagnosis::Output;
+use bmv::document::percent;
 use bmv::random::StreamKey;
 
 use super::small_study;
@@ -61,7 +62,13 @@ fn a_further_step_whose_place_is_open_is_named_and_not_added() {
     next.sort();
     assert_eq!(next, ["input-proportional-load:box:beam", "input-proportional-load:lid:beam"]);
     let said = "where more is missing is open; the likeliest are input-proportional-load:";
-    assert!(output.words.iter().any(|words| words.contains(said)), "{:?}", output.words);
+    let end = output.words.iter().find(|words| words.contains(said)).expect("the end of the steps");
+    // The sentence and the list of effects state the same probabilities, and those of one step are of things that exclude one another.
+    let of = |id: &String| output.effects.iter().find(|effect| effect.id == *id).expect("a listed effect").probability;
+    for id in &next {
+        assert!(end.contains(&format!("{id} ({})", percent(of(id)))), "{end}");
+    }
+    assert!(next.iter().map(of).sum::<f64>() <= 1.0, "{end}");
 }
 
 #[test]

@@ -132,6 +132,8 @@ pub enum Precedence {
     Size,
     /// The other follows a heat that a control makes.
     Control,
+    /// It is heat that was logged, the other heat that goes by a clock.
+    Logged,
     /// The other takes several inputs.
     Inputs,
     /// The whole selected set is more probable than those with the other in its place.

@@ -202,7 +202,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        66
+        67
     }
 
     fn identity(&self) -> Value {

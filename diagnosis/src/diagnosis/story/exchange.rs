@@ -55,7 +55,7 @@ impl Diagnosis {
             };
             for other in step.additions.iter().filter(may_displace) {
                 // What follows a control's heat displaces nothing else: with any other effect it explains what is missing.
-                if logs.follows_control[other.effect] && !logs.follows_control[*member] {
+                if logs.follows.is_control_behind(other.effect, *member) {
                     continue;
                 }
                 let before = &state.refits[step.before].effects;
@@ -69,11 +69,13 @@ impl Diagnosis {
                         && may_follow(place)
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
-                // A single place displaces a whole surface only where it would go before that, and a law of several inputs one of one.
+                // A single place displaces a whole surface only where it would go before that, a law of several inputs one of one, and heat by a
+                // clock what was logged.
                 let [surface, single] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
                 let displaces_surface = surface.is_group() && !single.is_group() && !surface.is_elsewhere_than(single);
-                let takes_more_inputs = surface.bound.len() < 2 && single.bound.len() > 1;
-                let least = logs[end] + least_lead(more > 0, displaces_surface || takes_more_inputs);
+                let is_less_plain = surface.bound.len() < 2 && single.bound.len() > 1
+                    || logs.follows.is_logged_before_clock(*member, other.effect);
+                let least = logs[end] + least_lead(more > 0, displaces_surface || is_less_plain);
                 let place = place
                     .filter(|&place| logs[place] > best.as_ref().map_or(least, |best| logs[best.place].max(least)));
                 let Some(place) = place else { continue };

@@ -14,16 +14,14 @@ pub(crate) const ALIKE_SHARE: f64 = 0.1;
 /// has to explain to go before it; and where it predicts unseen rows clearly better.
 pub(crate) const EXPLAINS_ALIKE: f64 = 0.95;
 const EXPLAINS_MOST: f64 = 0.8;
-/// Log odds by which the former then stands behind, a law of several inputs behind one of one input that explains as much, and what
-/// follows a control behind what explains nearly as much.
+/// Log odds by which the former then stands behind, and a law behind a plainer one that explains nearly as much.
 pub(crate) const STANDS_BEHIND: f64 = 1.0;
 /// Share of the squares of errors that an effect has to explain, on the fitted and on the unseen rows, so that what the fitted rows want
 /// more and what fails on the unseen ones is no rival of it: errors of the model help on one of them only.
 const EXPLAINS_ON_BOTH: f64 = 0.5;
-/// Share of what an effect explains that holds a controlled temperature, or follows the heat that the control makes, in squares of errors on
-/// the fitted and on the unseen rows, that another has to explain to go before it: a control follows whatever is missing, so that the
-/// former explain more than they are.
-const EXPLAINS_CONTROL: f64 = 0.9;
+/// Share of what an effect explains, in squares of errors on the fitted and on the unseen rows, that another has to explain to go before it
+/// where the former follows a control or a clock: these go with whatever is missing, so that it explains more than it is.
+const EXPLAINS_NEARLY: f64 = 0.9;
 /// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
 pub(crate) const MINOR_SHARE: f64 = 0.2;
 /// Log Bayes factor on the fitted rows, downwards, from which they speak against an effect; less is not worth more than a bare mention
@@ -64,13 +62,13 @@ fn explains_share(share: f64, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]
     matches!(fitted, [Some(_), Some(_), Some(_)]) && explains(fitted) && explains(unseen)
 }
 
-/// Whether an effect explains nearly all that another does which holds a controlled temperature or follows the control's heat.
-pub fn explains_what_control_does(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
-    explains_share(EXPLAINS_CONTROL, fitted, unseen)
+/// Whether an effect explains nearly all that another does which goes with whatever is missing.
+pub fn explains_nearly_as_much(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
+    explains_share(EXPLAINS_NEARLY, fitted, unseen)
 }
 
-/// Whether a law of one input explains as much as one of several, so that it goes before it.
-pub fn explains_what_several_inputs_do(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
+/// Whether an effect explains as much as another.
+pub fn explains_as_much(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
     explains_share(EXPLAINS_ALIKE, fitted, unseen)
 }
 
@@ -115,7 +113,7 @@ pub fn first_likely(in_turn: &[[f64; 2]]) -> Option<usize> {
 }
 
 /// Log odds by which another set has to lead that of a story to displace it: clear ones where it has more effects, or a single place
-/// for a whole surface that would go before it, or a law of several inputs for one of one.
+/// for a whole surface that would go before it, or a law for a plainer one.
 pub fn least_lead(is_larger: bool, displaces_plainer: bool) -> f64 {
     if is_larger || displaces_plainer { CLEARLY } else { 0.0 }
 }

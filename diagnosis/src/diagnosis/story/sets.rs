@@ -1,18 +1,16 @@
 //! Fitted sets of which each adds an effect to another: what that effect gains, and which goes first.
 
 use crate::diagnosis::engine::State;
-use crate::diagnosis::story::rules::{
-    AskedOfUnseen, Gain, explains_on_both, explains_what_control_does, explains_what_several_inputs_do, pays_by, rises,
-    serves_as_well,
-};
+use crate::diagnosis::story::plainness::{Follows, Plainness};
+use crate::diagnosis::story::rules::{AskedOfUnseen, Gain, explains_on_both, pays_by, rises, serves_as_well};
 use crate::diagnosis::{Problem, Refit};
 
 /// What the sets of a state weigh, in logarithms: posterior weights with what unseen rows say, for which it stands, and evidences.
 pub(super) struct Logs {
     pub weights: Vec<f64>,
     pub evidences: Vec<f64>,
-    /// Of each candidate whether it follows a heat that a control makes.
-    pub follows_control: Vec<bool>,
+    /// What the candidates follow.
+    pub follows: Follows,
 }
 
 impl std::ops::Deref for Logs {
@@ -67,8 +65,8 @@ pub(super) fn first_by_weight(
 
 /// Whether a plain effect goes before another, each by a set that adds it to a third. One of plausible size goes before one of a hundred
 /// times that: it explains nearly as much, and predicts unseen rows no worse; or explains most of it, predicts them better, and is
-/// not clearly less probable. A law of one input goes before one of several where it explains as much on fitted and unseen rows, and
-/// any other law before one that follows a heat that a control makes, where it explains nearly as much: the control follows what is missing.
+/// not clearly less probable. A plainer law goes before another where it explains nearly as much on fitted and unseen rows
+/// ([`Plainness`]).
 pub(super) fn goes_before(
     problem: &Problem,
     state: &State,
@@ -87,37 +85,21 @@ pub(super) fn goes_before(
             return true;
         }
     }
-    let Some((own, other)) = added(state, at, plain).zip(added(state, at, other)) else { return false };
+    why_plainer(problem, state, &logs.follows, at, [plain, other]).is_some()
+}
+
+/// Why the effect that a set adds to another goes before that of a third set, where it is plainer and explains nearly as much.
+pub(crate) fn why_plainer(
+    problem: &Problem,
+    state: &State,
+    follows: &Follows,
+    at: usize,
+    [plain, other]: [usize; 2],
+) -> Option<Plainness> {
+    let why = follows.plainness(problem, added(state, at, plain)?, added(state, at, other)?)?;
+    let sets = [at, plain, other].map(|place| &state.refits[place]);
     let (fitted, unseen) = (sets.map(|refit| refit.rmse_train_k), sets.map(|refit| refit.rmse_held_out_k));
-    match plainness(problem, &logs.follows_control, own, other) {
-        Some(Plainness::FreeOfControl) => explains_what_control_does(fitted, unseen),
-        Some(Plainness::FewerInputs) => explains_what_several_inputs_do(fitted, unseen),
-        None => false,
-    }
-}
-
-/// Why a law is plainer than another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Plainness {
-    /// The other follows a heat that a control makes.
-    FreeOfControl,
-    /// The other takes several inputs.
-    FewerInputs,
-}
-
-/// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part.
-pub(crate) fn plainness(problem: &Problem, follows_control: &[bool], own: usize, other: usize) -> Option<Plainness> {
-    let [candidate, of_other] = [own, other].map(|effect| &problem.candidates[effect]);
-    let is_part = of_other.is_group() && !candidate.is_group() && !candidate.is_elsewhere_than(of_other);
-    let follows = |effect: usize| follows_control.get(effect) == Some(&true);
-    if is_part || [own, other].into_iter().any(|effect| problem.is_unknown_function(effect)) {
-        return None;
-    }
-    match [follows(own), follows(other)] {
-        [false, true] => Some(Plainness::FreeOfControl),
-        [true, false] => None,
-        _ => (candidate.bound.len() < 2 && of_other.bound.len() > 1).then_some(Plainness::FewerInputs),
-    }
+    why.goes_before(fitted, unseen).then_some(why)
 }
 
 /// What a set gains over another, by the log posterior weights and the log evidences of all sets.

@@ -160,8 +160,8 @@ impl Choice<'_> {
         laws.reduce(|a, b| if self.logs[b] > self.logs[a] { b } else { a })
     }
 
-    /// Log posterior weights of the sets at this step: without those that fail, and with what is implausibly large, takes several
-    /// inputs or follows a control behind a plain effect that serves as well.
+    /// Log posterior weights of the sets at this step: without those that fail, and with what is implausibly large or less
+    /// plain behind a plain effect that serves as well.
     fn logs_of_step(&self, largest_law: Option<usize>, failing: &[usize]) -> Vec<f64> {
         let mut logs = self.logs.to_vec();
         let goes_before_law = |law: usize| {

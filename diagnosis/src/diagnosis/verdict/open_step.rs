@@ -12,6 +12,7 @@ use crate::diagnosis::verdict::findings::Findings;
 use crate::diagnosis::verdict::numbers::joined;
 use crate::diagnosis::verdict::one_kind::are_one_thing;
 use crate::document::percent;
+use crate::math::sort::sort_by;
 
 /// Least probability, among all that may be added at a step and nothing, that something is missing where its effect acts: odds below 3
 /// are not worth more than a bare mention (Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 773).
@@ -40,6 +41,11 @@ impl Diagnosis {
         let end = cut.end();
         let selected = &findings.state.refits[end].effects;
         findings.groups.retain(|group| group.first().is_some_and(|first| selected.contains(first)));
+        let groups = &findings.groups;
+        let is_member = |effect: usize| groups.iter().any(|group| group.contains(&effect));
+        // What stood beside a step that is left out has the probability of the step that is next.
+        findings.shared.retain(|&effect, _| is_member(effect));
+        findings.storage_alternatives.retain(|own| is_member(own.effect));
         findings.rivals = rivals(&cut, findings.groups.last());
         findings.story = Some(cut);
         findings.selected = end;
@@ -74,11 +80,14 @@ impl Findings<'_> {
             let gain = story.gain(self.state, last.before, one.place);
             pays_by(gain, false, AskedOfUnseen::FallUnlessClear)
         };
-        let mut paying = last.additions.iter().filter(pays).peekable();
-        let least = paying.peek().map_or(0.0, |first| (first.probability / RIVALS_WITHIN).max(LEAST_RIVAL));
-        let likely = paying.filter(|one| one.probability >= least).take(MOST_NEXT);
+        // As the list of effects states them.
+        let paying = last.additions.iter().filter(pays).map(|one| (self.probability(one.effect), one.effect));
+        let mut paying: Vec<(f64, usize)> = paying.collect();
+        sort_by(&mut paying, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let least = paying.first().map_or(0.0, |first| (first.0 / RIVALS_WITHIN).max(LEAST_RIVAL));
+        let likely = paying.into_iter().filter(|one| one.0 >= least).take(MOST_NEXT);
         let next: Vec<String> =
-            likely.map(|one| format!("{} ({})", self.id(one.effect), percent(one.probability))).collect();
+            likely.map(|(probability, effect)| format!("{} ({})", self.id(effect), percent(probability))).collect();
         match next.as_slice() {
             [] => None,
             [one] => Some(format!("No further step is taken: whether {one} or something else is missing is open.")),

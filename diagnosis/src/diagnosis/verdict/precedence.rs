@@ -4,9 +4,9 @@ use crate::diagnosis::odds::narrow_prior::is_prior;
 use crate::diagnosis::odds::posterior_odds::best;
 use crate::diagnosis::output::{EffectResult, Output, Precedence};
 use crate::diagnosis::story::course::Story;
+use crate::diagnosis::story::plainness::Plainness;
 use crate::diagnosis::story::rules::{AskedOfUnseen, pays_by};
-use crate::diagnosis::story::sets::{Plainness, plainness};
-use crate::diagnosis::story::step::Step;
+use crate::diagnosis::story::sets::why_plainer;
 use crate::diagnosis::verdict::findings::Findings;
 use crate::document::percent;
 
@@ -23,6 +23,7 @@ impl Precedence {
             Self::Group => "what acts on a whole group goes before a single place that does not clearly explain more",
             Self::Size => "the other would have to be a hundred times as large as is plausible",
             Self::Control => "the other follows a heat that a control makes, which follows whatever is missing",
+            Self::Logged => "heat that was logged explains nearly as much as the other, which goes by the clock",
             Self::Inputs => "the other takes several inputs and hardly explains more",
             Self::Set => "all that is selected is more probable than what was fitted with the other in its place",
             Self::OtherStep => "the other is that probable only beside other effects",
@@ -67,12 +68,25 @@ impl Findings<'_> {
         }
         let both = [effect, other];
         if is_by_model_error(both.map(|one| self.probability_as_weighed(one)), both.map(|one| self.model_error(one))) {
-            return Some(Precedence::ModelError);
+            // That the readings want it more may be since the other stands behind what is plainer.
+            return self.plainer(effect, other).or(Some(Precedence::ModelError));
         }
         match &self.story {
             Some(story) => self.precedence_in_story(story, effect, other),
             None => self.precedence_of_set(effect, other),
         }
+    }
+
+    /// Why an effect goes before another as the plainer one at its step; `None` where it is not, or explains too little.
+    fn plainer(&self, effect: usize, other: usize) -> Option<Precedence> {
+        let (story, step) = (self.story.as_ref()?, self.story_step_of(effect)?);
+        let of = |effect: usize| Some(step.additions.iter().find(|one| one.effect == effect)?.place);
+        let why = why_plainer(self.problem, self.state, &story.follows, step.before, [of(effect)?, of(other)?])?;
+        Some(match why {
+            Plainness::FreeOfControl => Precedence::Control,
+            Plainness::Logged => Precedence::Logged,
+            Plainness::FewerInputs => Precedence::Inputs,
+        })
     }
 
     /// Whether an effect acts on a group, and another one at a single place.
@@ -96,9 +110,7 @@ impl Findings<'_> {
 
     fn precedence_in_story(&self, story: &Story, effect: usize, other: usize) -> Option<Precedence> {
         let refits = &self.state.refits;
-        let adds =
-            |step: &&Step| step.additions.iter().any(|one| one.effect == effect && step.chosen == Some(one.place));
-        let step = story.steps.iter().find(adds)?;
+        let step = self.story_step_of(effect)?;
         let of = |effect: usize| step.additions.iter().find(|one| one.effect == effect);
         let (own, rival) = (of(effect)?, of(other));
         if let Some(rival) = rival.filter(|rival| rival.probability > own.probability) {
@@ -120,10 +132,8 @@ impl Findings<'_> {
                 return Some(Precedence::Size);
             }
         }
-        match plainness(self.problem, &story.follows_control, effect, other) {
-            Some(Plainness::FreeOfControl) => return Some(Precedence::Control),
-            Some(Plainness::FewerInputs) => return Some(Precedence::Inputs),
-            None => {}
+        if let Some(why) = self.plainer(effect, other) {
+            return Some(why);
         }
         // Where another effect would have been first, the steps lead to a less probable set.
         let in_its_place = |place: &usize| {

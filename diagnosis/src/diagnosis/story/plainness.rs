@@ -1,0 +1,96 @@
+//! Which laws are plainer than others, so that they go before them where they explain nearly as much.
+
+use crate::diagnosis::Problem;
+use crate::diagnosis::odds::logged_heat::are_of_unused_heat;
+use crate::diagnosis::story::rules::{explains_as_much, explains_nearly_as_much};
+use crate::effect::{Candidate, Effect};
+
+/// Why a law is plainer than another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Plainness {
+    /// The other follows a heat that a control makes, which follows whatever is missing.
+    FreeOfControl,
+    /// It is heat that was logged, the other heat that goes by a clock, which goes with whatever changes then or comes again every day.
+    Logged,
+    /// The other takes several inputs.
+    FewerInputs,
+}
+
+impl Plainness {
+    /// Whether the plainer law explains so much of what the other does that it goes before it: errors without both, with it and with the
+    /// other, on the fitted and on the unseen rows.
+    pub fn goes_before(self, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
+        match self {
+            Self::FreeOfControl | Self::Logged => explains_nearly_as_much(fitted, unseen),
+            Self::FewerInputs => explains_as_much(fitted, unseen),
+        }
+    }
+}
+
+/// What candidates follow, for each of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Follows {
+    /// Whether it follows a heat that a control makes.
+    pub control: Vec<bool>,
+    /// Whether it is heat in proportion to a logged power or irradiance that the model does not use.
+    pub unused_heat: Vec<bool>,
+    /// Whether it is heat that goes by a clock.
+    pub clock: Vec<bool>,
+}
+
+impl Follows {
+    /// Without a control.
+    pub fn of(problem: &Problem) -> Self {
+        let heats: Vec<&str> = problem
+            .catalogue
+            .effects()
+            .iter()
+            .filter(|effect| is_heat_by_clock(effect))
+            .map(|effect| effect.name.as_str())
+            .collect();
+        let is_one = |own: &Candidate| heats.contains(&own.effect.as_str());
+        Self {
+            control: vec![false; problem.candidates.len()],
+            unused_heat: are_of_unused_heat(problem),
+            clock: problem.candidates.iter().map(is_one).collect(),
+        }
+    }
+
+    fn is(of: &[bool], effect: usize) -> bool {
+        of.get(effect) == Some(&true)
+    }
+
+    /// Whether an effect is heat that was logged, and another one heat by a clock.
+    pub fn is_logged_before_clock(&self, own: usize, other: usize) -> bool {
+        Self::is(&self.unused_heat, own) && Self::is(&self.clock, other)
+    }
+
+    /// Whether an effect follows a heat that a control makes, and another one does not.
+    pub fn is_control_behind(&self, own: usize, other: usize) -> bool {
+        Self::is(&self.control, own) && !Self::is(&self.control, other)
+    }
+
+    /// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part.
+    pub fn plainness(&self, problem: &Problem, own: usize, other: usize) -> Option<Plainness> {
+        let [candidate, of_other] = [own, other].map(|effect| &problem.candidates[effect]);
+        let is_part = of_other.is_group() && !candidate.is_group() && !candidate.is_elsewhere_than(of_other);
+        if is_part || [own, other].into_iter().any(|effect| problem.is_unknown_function(effect)) {
+            return None;
+        }
+        if self.is_control_behind(other, own) {
+            return Some(Plainness::FreeOfControl);
+        }
+        if self.is_control_behind(own, other) || self.is_logged_before_clock(other, own) {
+            return None;
+        }
+        if self.is_logged_before_clock(own, other) {
+            return Some(Plainness::Logged);
+        }
+        (candidate.bound.len() < 2 && of_other.bound.len() > 1).then_some(Plainness::FewerInputs)
+    }
+}
+
+/// Whether an effect adds heat that depends on when readings were taken.
+fn is_heat_by_clock(effect: &Effect) -> bool {
+    effect.form.adds.value.load.is_some() && effect.depends_on_time()
+}
