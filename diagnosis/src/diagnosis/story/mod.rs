@@ -2,8 +2,8 @@
 //! as likely to be model error.
 //!
 //! `rules`: what is asked of an effect, as functions of numbers. `sets`: what an effect gains that one fitted set adds to another.
-//! `plainness`: which
-//! laws are plainer than others. `step`: which effect is added to a set. `exchange`: when an earlier effect gives way. `course`: the whole story.
+//! `plainness`: which laws are plainer than others. `step`: which effect is added to a set. `exchange`: when an earlier effect gives
+//! way. `course`: the whole story.
 
 pub(crate) mod course;
 pub(crate) mod exchange;

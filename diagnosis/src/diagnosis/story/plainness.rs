@@ -10,7 +10,7 @@ use crate::effect::{Candidate, Effect};
 pub(crate) enum Plainness {
     /// The other follows a heat that a control makes, which follows whatever is missing.
     FreeOfControl,
-    /// It is heat that was logged, the other heat that goes by a clock, which goes with whatever changes then or comes again every day.
+    /// It is heat that was logged, the other heat that goes by a clock, whose fitted time can follow any cause that changes then or comes again every day.
     Logged,
     /// The other takes several inputs.
     FewerInputs,
@@ -27,19 +27,19 @@ impl Plainness {
     }
 }
 
-/// What candidates follow, for each of them.
+/// What each candidate is driven by, where that makes it more or less plain than others.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Follows {
     /// Whether it follows a heat that a control makes.
     pub control: Vec<bool>,
-    /// Whether it is heat in proportion to a logged power or irradiance that the model does not use.
+    /// Whether it is heat in proportion to a logged power or irradiance that the baseline model does not use, at whatever place.
     pub unused_heat: Vec<bool>,
     /// Whether it is heat that goes by a clock.
     pub clock: Vec<bool>,
 }
 
 impl Follows {
-    /// Without a control.
+    /// Of a problem, before any control is found.
     pub fn of(problem: &Problem) -> Self {
         let heats: Vec<&str> = problem
             .catalogue

@@ -62,12 +62,12 @@ fn explains_share(share: f64, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]
     matches!(fitted, [Some(_), Some(_), Some(_)]) && explains(fitted) && explains(unseen)
 }
 
-/// Whether an effect explains nearly all that another does which goes with whatever is missing.
+/// Whether an effect explains nine tenths of what another does that follows a control or a clock.
 pub fn explains_nearly_as_much(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
     explains_share(EXPLAINS_NEARLY, fitted, unseen)
 }
 
-/// Whether an effect explains as much as another.
+/// Whether an effect explains 95 % of what another does.
 pub fn explains_as_much(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
     explains_share(EXPLAINS_ALIKE, fitted, unseen)
 }
