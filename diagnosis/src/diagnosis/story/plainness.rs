@@ -10,7 +10,8 @@ use crate::effect::{Candidate, Effect};
 pub(crate) enum Plainness {
     /// The other follows a heat that a control makes, which follows whatever is missing.
     FreeOfControl,
-    /// It is heat that was logged, the other heat that goes by a clock, whose fitted time can follow any cause that changes then or comes again every day.
+    /// It is heat that was logged, the other heat that goes by a clock, whose fitted time can follow any cause that changes then or
+    /// comes again every day.
     Logged,
     /// The other takes several inputs.
     FewerInputs,
