@@ -2,7 +2,7 @@
 //! logged heat is not.
 
 use bmv::diagnosis::Output;
-use bmv::math::functions::{exp, sin};
+use bmv::math::functions::{exp, ln, sin};
 use bmv::random::StreamKey;
 
 use super::small_study;
@@ -19,13 +19,13 @@ const MODEL: &str = r#"{
 const NOISE_K: f64 = 0.05;
 const AREA_M2: f64 = 0.004;
 const DAY_S: f64 = 86_400.0;
-/// Hours at which a mast begins to shade the pyranometer, for an hour and a half, on each day.
+/// Hours at which a mast begins to shade the pyranometer on each day.
 const SHADED_FROM_H: [f64; 5] = [9.0, 14.0, 11.0, 13.0, 10.0];
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
-/// The diagnosis of five days, of which the last is held out. A tree shades the box about noon, a mast the pyranometer at changing hours, and
-/// an unlogged wind moves the loss by a quarter.
-fn diagnosed() -> Output {
+/// The diagnosis of five days, of which the last is held out. A tree shades the box about noon, a mast the pyranometer for some hours from
+/// another one on each day, and an unlogged wind moves the loss by a quarter.
+fn diagnosed(shaded_h: f64) -> Output {
     let mut stream = StreamKey::new(7, "heat by clock", "noise").stream(0);
     let mut table = String::from("time [s],sun [W/m2],air [degC],box [degC]\n");
     let mut own = 15.0_f64;
@@ -34,7 +34,7 @@ fn diagnosed() -> Output {
         let hour = time_s % DAY_S / 3600.0;
         let clear = 900.0 * sin(TURN * (hour - 6.0) / 24.0).max(0.0);
         let from = SHADED_FROM_H[minute / 1440];
-        let sun = if (from..from + 1.5).contains(&hour) { 0.25 * clear } else { clear };
+        let sun = if (from..from + shaded_h).contains(&hour) { 0.25 * clear } else { clear };
         let air = 15.0 + 5.0 * sin(TURN * (time_s / DAY_S - 0.4)) + 2.0 * sin(TURN * time_s / (2.7 * DAY_S));
         if minute.is_multiple_of(20) {
             table.push_str(&format!("{time_s},{sun:.1},{air:.2},{:.3}\n", own + NOISE_K * stream.normal()));
@@ -56,16 +56,45 @@ fn diagnosed() -> Output {
     small_study::diagnosed(&small_study::loaded(folder.path(), &files))
 }
 
-#[test]
-fn logged_heat_goes_before_heat_by_the_clock() {
-    let output = diagnosed();
-    assert_eq!(output.selected[0], "input-proportional-load:box:sun", "{:?}", output.words);
-    // Alone the half sine of every day errs less on both kinds of rows.
-    let alone = |id: &str| {
-        let is_alone = |ids: &[String]| matches!(ids, [one] if one == id);
-        let model = output.models.iter().find(|model| is_alone(&model.effects)).expect("a set of one effect");
+const BY_SUN: &str = "input-proportional-load:box:sun";
+const BY_CLOCK: &str = "daily-hours-load:box";
+
+/// Log odds of heat by the clock over heat by the sun, each alone.
+fn lead_of_clock(output: &Output) -> f64 {
+    let of = |id: &str| {
+        let own = output.models.iter().find(|model| model.effects == [id]).expect("a set of one effect");
+        ln(own.probability)
+    };
+    of(BY_CLOCK) - of(BY_SUN)
+}
+
+/// What heat by the sun explains of what heat by the clock does, in squares of the errors of the fitted and of the unseen rows.
+fn share_of_sun(output: &Output) -> [f64; 2] {
+    let errors = |ids: &[&str]| {
+        let model = output.models.iter().find(|model| model.effects == ids).expect("a set of these effects");
         [model.rmse_k.train, model.rmse_k.held_out].map(|error| error.expect("an error"))
     };
-    let [by_sun, by_clock] = [alone("input-proportional-load:box:sun"), alone("daily-hours-load:box")];
-    assert!(by_clock[0] < by_sun[0] && by_clock[1] < by_sun[1], "{by_sun:?} {by_clock:?}");
+    let [nothing, by_sun, by_clock] = [errors(&[]), errors(&[BY_SUN]), errors(&[BY_CLOCK])];
+    let of = |rows: usize| {
+        let explained = |errors: [f64; 2]| nothing[rows] * nothing[rows] - errors[rows] * errors[rows];
+        explained(by_sun) / explained(by_clock)
+    };
+    [of(0), of(1)]
+}
+
+#[test]
+fn logged_heat_goes_before_heat_by_the_clock_that_explains_little_more() {
+    let output = diagnosed(2.0);
+    let shares = share_of_sun(&output);
+    assert!(shares.iter().all(|share| (0.9..1.0).contains(share)), "{shares:?}");
+    assert!(lead_of_clock(&output) > 3.0, "{}", lead_of_clock(&output));
+    assert_eq!(output.selected[0], BY_SUN, "{:?}", output.words);
+}
+
+#[test]
+fn heat_by_the_clock_that_explains_far_more_goes_first() {
+    let output = diagnosed(5.0);
+    let shares = share_of_sun(&output);
+    assert!(shares.iter().all(|share| *share < 0.9), "{shares:?}");
+    assert_eq!(output.selected[0], BY_CLOCK, "{:?}", output.words);
 }

@@ -101,7 +101,16 @@ fn is_heat(input: &Input) -> bool {
     has_dimension(input, "W") || has_dimension(input, "W/m^2")
 }
 
-/// Whether an input warms what it goes through: it is heat, or an electric current.
+/// Least frequency of a clock of electronics, Hz: no fan, pump or wheel turns a million times a second.
+const LEAST_CLOCK_RATE_HZ: f64 = 1e6;
+
+/// Whether an input is the clock rate of electronics, whose dissipation it makes.
+fn is_clock_rate(input: &Input) -> bool {
+    let most = input.range.map_or(input.nominal, |[_, most]| most);
+    has_dimension(input, "Hz") && most >= LEAST_CLOCK_RATE_HZ
+}
+
+/// Whether an input warms what it goes through: it is heat, an electric current or the clock rate of electronics.
 pub(crate) fn warms(input: &Input) -> bool {
-    is_heat(input) || has_dimension(input, "A")
+    is_heat(input) || has_dimension(input, "A") || is_clock_rate(input)
 }

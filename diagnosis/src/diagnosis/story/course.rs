@@ -6,7 +6,7 @@ use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::fits::held_level::HeldLevel;
 use crate::diagnosis::odds::logged_heat::follow_heat_of;
 use crate::diagnosis::odds::posterior_odds::{RIVALS_WITHIN, gains_unseen};
-use crate::diagnosis::story::plainness::Follows;
+use crate::diagnosis::story::plainness::Drivers;
 use crate::diagnosis::story::rules::{AskedOfUnseen, CLEARLY, Gain, Weighed, explains_nearly_as_much, pays_by};
 use crate::diagnosis::story::sets::{Logs, first_by_weight, gain, goes_before, is_implausible, pays};
 use crate::diagnosis::story::step::{Addition, Step};
@@ -31,8 +31,8 @@ pub(crate) struct Story {
     pub beginning: Option<usize>,
     /// What holds a temperature at which a control of a logged heat holds the readings, and is no part of it.
     pub holding: Option<Holding>,
-    /// What the candidates follow.
-    pub follows: Follows,
+    /// What drives the candidates.
+    pub drivers: Drivers,
     /// Whether it ends since a further step does not say where something is missing.
     pub is_open: bool,
 }
@@ -55,7 +55,7 @@ impl Story {
 
     /// What its sets weigh.
     fn weights(&self) -> Logs {
-        Logs { weights: self.logs.clone(), evidences: self.log_evidences.clone(), follows: self.follows.clone() }
+        Logs { weights: self.logs.clone(), evidences: self.log_evidences.clone(), drivers: self.drivers.clone() }
     }
 
     /// What a set gains over another.
@@ -93,7 +93,7 @@ impl Diagnosis {
         let (log_evidences, weights) = self.log_weights_of_story(state);
         let seen = weights.into_iter().zip(&state.refits);
         let weights = seen.map(|(log, refit)| log + gains_unseen(&state.refits[0], refit, unseen)).collect();
-        let mut logs = Logs { weights, evidences: log_evidences, follows: Follows::of(self.problem()) };
+        let mut logs = Logs { weights, evidences: log_evidences, drivers: Drivers::of(self.problem()) };
         let holding = self.leave_out_holding(state, &mut logs);
         let mut story = Story { sets: vec![0], steps: Vec::new(), logs: logs.to_vec(), ..Story::default() };
         let beginning = self.step(state, &logs, 0, AskedOfUnseen::Fall).chosen;
@@ -129,7 +129,7 @@ impl Diagnosis {
         let ordered = self.largest_first(state, &logs, story);
         let story = self.until_contradicted(state, &logs, ordered);
         let refused = refused(state, &logs, &story);
-        Story { log_evidences: logs.evidences, follows: logs.follows, refused, beginning, holding, ..story }
+        Story { log_evidences: logs.evidences, drivers: logs.drivers, refused, beginning, holding, ..story }
     }
 
     /// Takes all weight from sets with an effect that holds a temperature at a level at which a control of a logged heat holds the readings,
@@ -169,7 +169,7 @@ impl Diagnosis {
                 logs.weights[*place] = f64::NEG_INFINITY;
             }
         }
-        logs.follows.control = follows_control;
+        logs.drivers.control = follows_control;
         Some(found)
     }
 

@@ -1,10 +1,11 @@
 //! When an effect of a story gives way to another: what was added first may stand for what is only seen beside later ones.
 
 use crate::diagnosis::engine::{Diagnosis, State};
+use crate::diagnosis::story::plainness::Plainness;
 use crate::diagnosis::story::rules::{
     ALIKE_SHARE, AskedOfUnseen, CLEARLY, MINOR_SHARE, falls, least_lead, rises, surface_explains_alike,
 };
-use crate::diagnosis::story::sets::{Logs, pays, unseen};
+use crate::diagnosis::story::sets::{Logs, pays, unseen, why_plainer};
 use crate::diagnosis::story::step::{Addition, Step};
 
 /// A set that displaces that of a story.
@@ -55,7 +56,7 @@ impl Diagnosis {
             };
             for other in step.additions.iter().filter(may_displace) {
                 // What follows a control's heat displaces nothing else: with any other effect it explains what is missing.
-                if logs.follows.is_control_behind(other.effect, *member) {
+                if logs.drivers.is_free_before_controlled(*member, other.effect) {
                     continue;
                 }
                 let before = &state.refits[step.before].effects;
@@ -70,11 +71,14 @@ impl Diagnosis {
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
                 // A single place displaces a whole surface only where it would go before that, a law of several inputs one of one, and heat by a
-                // clock what was logged.
-                let [surface, single] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
-                let displaces_surface = surface.is_group() && !single.is_group() && !surface.is_elsewhere_than(single);
-                let is_less_plain = surface.bound.len() < 2 && single.bound.len() > 1
-                    || logs.follows.is_logged_before_clock(*member, other.effect);
+                // clock what was logged and explains nearly as much.
+                let [own, rival] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
+                let displaces_surface = own.is_group() && !rival.is_group() && !own.is_elsewhere_than(rival);
+                let goes_before = || {
+                    let sets = [chosen, other.place];
+                    why_plainer(self.problem(), state, &logs.drivers, step.before, sets) == Some(Plainness::Logged)
+                };
+                let is_less_plain = own.bound.len() < 2 && rival.bound.len() > 1 || goes_before();
                 let least = logs[end] + least_lead(more > 0, displaces_surface || is_less_plain);
                 let place = place
                     .filter(|&place| logs[place] > best.as_ref().map_or(least, |best| logs[best.place].max(least)));

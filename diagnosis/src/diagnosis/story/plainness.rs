@@ -28,9 +28,9 @@ impl Plainness {
     }
 }
 
-/// What each candidate is driven by, where that makes it more or less plain than others.
+/// What drives each candidate, where that makes it more or less plain than others.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Follows {
+pub(crate) struct Drivers {
     /// Whether it follows a heat that a control makes.
     pub control: Vec<bool>,
     /// Whether it is heat in proportion to a logged power or irradiance that the baseline model does not use, at whatever place.
@@ -39,17 +39,10 @@ pub(crate) struct Follows {
     pub clock: Vec<bool>,
 }
 
-impl Follows {
+impl Drivers {
     /// Of a problem, before any control is found.
     pub fn of(problem: &Problem) -> Self {
-        let heats: Vec<&str> = problem
-            .catalogue
-            .effects()
-            .iter()
-            .filter(|effect| is_heat_by_clock(effect))
-            .map(|effect| effect.name.as_str())
-            .collect();
-        let is_one = |own: &Candidate| heats.contains(&own.effect.as_str());
+        let is_one = |own: &Candidate| problem.catalogue.get(&own.effect).is_some_and(is_heat_by_clock);
         Self {
             control: vec![false; problem.candidates.len()],
             unused_heat: are_of_unused_heat(problem),
@@ -66,9 +59,9 @@ impl Follows {
         Self::is(&self.unused_heat, own) && Self::is(&self.clock, other)
     }
 
-    /// Whether an effect follows a heat that a control makes, and another one does not.
-    pub fn is_control_behind(&self, own: usize, other: usize) -> bool {
-        Self::is(&self.control, own) && !Self::is(&self.control, other)
+    /// Whether an effect follows no heat that a control makes, and another one does.
+    pub fn is_free_before_controlled(&self, own: usize, other: usize) -> bool {
+        !Self::is(&self.control, own) && Self::is(&self.control, other)
     }
 
     /// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part.
@@ -78,10 +71,10 @@ impl Follows {
         if is_part || [own, other].into_iter().any(|effect| problem.is_unknown_function(effect)) {
             return None;
         }
-        if self.is_control_behind(other, own) {
+        if self.is_free_before_controlled(own, other) {
             return Some(Plainness::FreeOfControl);
         }
-        if self.is_control_behind(own, other) || self.is_logged_before_clock(other, own) {
+        if self.is_free_before_controlled(other, own) {
             return None;
         }
         if self.is_logged_before_clock(own, other) {

@@ -1,7 +1,7 @@
 //! Fitted sets of which each adds an effect to another: what that effect gains, and which goes first.
 
 use crate::diagnosis::engine::State;
-use crate::diagnosis::story::plainness::{Follows, Plainness};
+use crate::diagnosis::story::plainness::{Drivers, Plainness};
 use crate::diagnosis::story::rules::{AskedOfUnseen, Gain, explains_on_both, pays_by, rises, serves_as_well};
 use crate::diagnosis::{Problem, Refit};
 
@@ -9,8 +9,8 @@ use crate::diagnosis::{Problem, Refit};
 pub(super) struct Logs {
     pub weights: Vec<f64>,
     pub evidences: Vec<f64>,
-    /// What the candidates follow.
-    pub follows: Follows,
+    /// What drives the candidates.
+    pub drivers: Drivers,
 }
 
 impl std::ops::Deref for Logs {
@@ -85,18 +85,18 @@ pub(super) fn goes_before(
             return true;
         }
     }
-    why_plainer(problem, state, &logs.follows, at, [plain, other]).is_some()
+    why_plainer(problem, state, &logs.drivers, at, [plain, other]).is_some()
 }
 
 /// Why the effect that a set adds to another goes before that of a third set, where it is plainer and explains nearly as much.
 pub(crate) fn why_plainer(
     problem: &Problem,
     state: &State,
-    follows: &Follows,
+    drivers: &Drivers,
     at: usize,
     [plain, other]: [usize; 2],
 ) -> Option<Plainness> {
-    let why = follows.plainness(problem, added(state, at, plain)?, added(state, at, other)?)?;
+    let why = drivers.plainness(problem, added(state, at, plain)?, added(state, at, other)?)?;
     let sets = [at, plain, other].map(|place| &state.refits[place]);
     let (fitted, unseen) = (sets.map(|refit| refit.rmse_train_k), sets.map(|refit| refit.rmse_held_out_k));
     why.goes_before(fitted, unseen).then_some(why)

@@ -169,11 +169,21 @@ impl Choice<'_> {
                 goes_before(self.diagnosis.problem(), self.state, self.logs, self.at, place, law)
             })
         };
-        if let Some((law, plain)) = largest_law.and_then(|law| Some((law, goes_before_law(law)?))) {
+        // What goes before the most probable law may give way to a plainer one itself.
+        let mut laws: Vec<usize> = largest_law.into_iter().collect();
+        while let Some(plainer) = laws.last().and_then(|&law| goes_before_law(law)).filter(|own| !laws.contains(own)) {
+            laws.push(plainer);
+        }
+        if let [law, between @ .., plain] = laws.as_slice() {
+            let (law, plain) = (*law, *plain);
+            let goes_before = |own: usize, place: usize| {
+                goes_before(self.diagnosis.problem(), self.state, self.logs, self.at, own, place)
+            };
             // Beside a law of implausible size nothing between the two is worth more than the plain one.
             let is_outdone = |place: usize| {
                 is_implausible(self.state, self.at, law)
-                    || goes_before(self.diagnosis.problem(), self.state, self.logs, self.at, plain, place)
+                    || between.contains(&place)
+                    || between.iter().chain([&plain]).any(|&own| goes_before(own, place))
             };
             let more = self.next().map(|one| one.1).filter(|&place| self.logs[place] > self.logs[plain]);
             let others: Vec<usize> = more.filter(|&place| is_outdone(place)).collect();

@@ -42,8 +42,8 @@ pub(crate) struct Findings<'a> {
     pub model_errors: BTreeMap<usize, f64>,
     /// Probability that lumped nodes are what an effect explains.
     pub lumped_nodes: BTreeMap<usize, f64>,
-    /// Probabilities of effects beside which others explain nearly as much.
-    pub shared: BTreeMap<usize, f64>,
+    /// Probabilities of effects in a group, by its number and the effect, where others explain nearly as much.
+    pub shared: BTreeMap<(usize, usize), f64>,
     /// Storage effects as alternatives of surroundings.
     pub storage_alternatives: Vec<StorageAlternative>,
 }
@@ -102,8 +102,14 @@ impl Findings<'_> {
 
     /// Probability that an effect is missing.
     pub fn probability(&self, effect: usize) -> f64 {
-        let shared = self.shared.get(&effect).copied();
+        let own = self.shared.iter().filter(|(key, _)| key.1 == effect).map(|(_, probability)| *probability);
+        let shared = own.reduce(f64::max);
         self.unless_model_error(effect, shared.unwrap_or_else(|| self.probability_as_weighed(effect)))
+    }
+
+    /// The same at a step, where it has a probability among all that may be added, and nothing.
+    pub(super) fn probability_at_step(&self, one: &Addition) -> f64 {
+        self.probability(one.effect).min(self.unless_model_error(one.effect, one.probability))
     }
 
     /// A probability of an effect, less what it has of being none.

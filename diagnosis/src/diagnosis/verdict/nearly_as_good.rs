@@ -52,10 +52,10 @@ impl Findings<'_> {
             let total = 1.0 + near.iter().map(|(odds, _)| odds).sum::<f64>();
             let member = self.groups[group][0];
             let most = self.probability_as_weighed(member).min(1.0 / total);
-            self.shared.insert(member, most);
+            self.shared.insert((group, member), most);
             for (odds, own) in near {
                 let share = self.probability_as_weighed(own.effect).max(odds / total);
-                self.shared.insert(own.effect, share);
+                self.shared.insert((group, own.effect), share);
                 // It may stand for several members, in different sets.
                 if !members.contains(&own.effect) && !self.groups[group].contains(&own.effect) {
                     self.groups[group].push(own.effect);

@@ -40,12 +40,12 @@ impl Diagnosis {
         let cut = self.cut(findings.state, story, number);
         let end = cut.end();
         let selected = &findings.state.refits[end].effects;
-        findings.groups.retain(|group| group.first().is_some_and(|first| selected.contains(first)));
-        let groups = &findings.groups;
-        let is_member = |effect: usize| groups.iter().any(|group| group.contains(&effect));
+        let is_left = |group: &&Vec<usize>| group.first().is_some_and(|first| selected.contains(first));
+        let kept = findings.groups.iter().take_while(is_left).count();
+        findings.groups.truncate(kept);
         // What stood beside a step that is left out has the probability of the step that is next.
-        findings.shared.retain(|&effect, _| is_member(effect));
-        findings.storage_alternatives.retain(|own| is_member(own.effect));
+        findings.shared.retain(|&(group, _), _| group < kept);
+        findings.storage_alternatives.retain(|own| own.group < kept);
         findings.rivals = rivals(&cut, findings.groups.last());
         findings.story = Some(cut);
         findings.selected = end;
@@ -80,8 +80,7 @@ impl Findings<'_> {
             let gain = story.gain(self.state, last.before, one.place);
             pays_by(gain, false, AskedOfUnseen::FallUnlessClear)
         };
-        // As the list of effects states them.
-        let paying = last.additions.iter().filter(pays).map(|one| (self.probability(one.effect), one.effect));
+        let paying = last.additions.iter().filter(pays).map(|one| (self.probability_at_step(one), one.effect));
         let mut paying: Vec<(f64, usize)> = paying.collect();
         sort_by(&mut paying, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let least = paying.first().map_or(0.0, |first| (first.0 / RIVALS_WITHIN).max(LEAST_RIVAL));

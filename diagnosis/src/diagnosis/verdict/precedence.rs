@@ -77,11 +77,16 @@ impl Findings<'_> {
         }
     }
 
-    /// Why an effect goes before another as the plainer one at its step; `None` where it is not, or explains too little.
+    /// Why an effect goes before another, which is more probable by itself, as the plainer one at its step; `None` where it does not, or
+    /// explains too little.
     fn plainer(&self, effect: usize, other: usize) -> Option<Precedence> {
         let (story, step) = (self.story.as_ref()?, self.story_step_of(effect)?);
         let of = |effect: usize| Some(step.additions.iter().find(|one| one.effect == effect)?.place);
-        let why = why_plainer(self.problem, self.state, &story.follows, step.before, [of(effect)?, of(other)?])?;
+        let sets = [of(effect)?, of(other)?];
+        if story.logs[sets[1]] <= story.logs[sets[0]] {
+            return None;
+        }
+        let why = why_plainer(self.problem, self.state, &story.drivers, step.before, sets)?;
         Some(match why {
             Plainness::FreeOfControl => Precedence::Control,
             Plainness::Logged => Precedence::Logged,

@@ -104,9 +104,7 @@ impl Findings<'_> {
             alternatives.extend(others);
             StoryStep {
                 effect: added.map(|one| self.id(one.effect).to_owned()),
-                probability: added.map_or(step.stays, |one| {
-                    self.probability(one.effect).min(self.unless_model_error(one.effect, one.probability))
-                }),
+                probability: added.map_or(step.stays, |one| self.probability_at_step(one)),
                 rmse_k: RmseChange {
                     train: [before.rmse_train_k, after.rmse_train_k],
                     held_out: [before.rmse_held_out_k, after.rmse_held_out_k],

@@ -36,7 +36,7 @@ impl Findings<'_> {
     /// Adds them to their groups, and what was fitted with them to the rivals.
     pub(super) fn add_storage_alternatives(&mut self) {
         for StorageAlternative { group, effect, probability, .. } in self.storage_alternatives.clone() {
-            self.shared.insert(effect, probability);
+            self.shared.insert((group, effect), probability);
             if !self.groups[group].contains(&effect) {
                 self.groups[group].push(effect);
             }
