@@ -94,9 +94,10 @@ impl Findings<'_> {
         })
     }
 
-    /// Whether an effect acts on a group, and another one at a single place.
+    /// Whether an effect acts on a group, and another one at a single place that is not elsewhere.
     fn is_whole(&self, effect: usize, other: usize) -> bool {
-        self.problem.candidates[effect].is_group() && !self.problem.candidates[other].is_group()
+        let [own, other] = [effect, other].map(|effect| &self.problem.candidates[effect]);
+        own.is_group() && !other.is_group() && !own.is_elsewhere_than(other)
     }
 
     fn precedence_of_set(&self, effect: usize, other: usize) -> Option<Precedence> {
