@@ -101,16 +101,17 @@ fn is_heat(input: &Input) -> bool {
     has_dimension(input, "W") || has_dimension(input, "W/m^2")
 }
 
-/// Least frequency of a clock of electronics, Hz: no fan, pump or wheel turns a million times a second.
-const LEAST_CLOCK_RATE_HZ: f64 = 1e6;
+/// Least frequency, Hz, that is taken for that of electronics: no fan, pump or wheel turns a million times a second.
+const LEAST_OF_ELECTRONICS_HZ: f64 = 1e6;
 
-/// Whether an input is the clock rate of electronics, whose dissipation it makes.
-fn is_clock_rate(input: &Input) -> bool {
+/// Whether an input is a frequency of electronics, such as that of a processor, by the end of its stated range or else its nominal value:
+/// their dissipation follows it.
+fn is_of_electronics(input: &Input) -> bool {
     let most = input.range.map_or(input.nominal, |[_, most]| most);
-    has_dimension(input, "Hz") && most >= LEAST_CLOCK_RATE_HZ
+    has_dimension(input, "Hz") && most >= LEAST_OF_ELECTRONICS_HZ
 }
 
-/// Whether an input warms what it goes through: it is heat, an electric current or the clock rate of electronics.
+/// Whether an input warms what it goes through: it is heat, an electric current or a frequency of electronics.
 pub(crate) fn warms(input: &Input) -> bool {
-    is_heat(input) || has_dimension(input, "A") || is_clock_rate(input)
+    is_heat(input) || has_dimension(input, "A") || is_of_electronics(input)
 }

@@ -7,7 +7,9 @@ use crate::diagnosis::fits::held_level::HeldLevel;
 use crate::diagnosis::odds::logged_heat::follow_heat_of;
 use crate::diagnosis::odds::posterior_odds::{RIVALS_WITHIN, gains_unseen};
 use crate::diagnosis::story::plainness::Drivers;
-use crate::diagnosis::story::rules::{AskedOfUnseen, CLEARLY, Gain, Weighed, explains_nearly_as_much, pays_by};
+use crate::diagnosis::story::rules::{
+    AskedOfUnseen, CLEARLY, Gain, Weighed, explains_nearly_as_much, pays_by, with_plainer_ones,
+};
 use crate::diagnosis::story::sets::{Logs, first_by_weight, gain, goes_before, is_implausible, pays};
 use crate::diagnosis::story::step::{Addition, Step};
 
@@ -216,7 +218,7 @@ impl Diagnosis {
 
     /// The same sets in the order of what their effects explain: the one that explains most comes first. A law of a whole
     /// surface goes before single places that explain clearly more only, one of plausible size before one of a hundred times
-    /// that which explains hardly more.
+    /// that which explains hardly more, and a plainer one before another.
     fn largest_first(&self, state: &State, logs: &Logs, story: Story) -> Story {
         let end = story.end();
         let weight = |at: usize, place: usize| {
@@ -229,10 +231,11 @@ impl Diagnosis {
             let all: Vec<usize> = self.on_the_way(state, at, end).filter(|&place| logs[place].is_finite()).collect();
             let most = |places: &[usize]| first_by_weight(state, |place| weight(at, place), at, places);
             let Some(next) = most(&all) else { return story };
-            let before_next =
-                all.iter().copied().filter(|&place| goes_before(self.problem(), state, logs, at, place, next));
-            let plausible = most(&before_next.collect::<Vec<_>>());
-            sets.push(plausible.unwrap_or(next));
+            let before = |law: usize| {
+                let goes_before = |&place: &usize| goes_before(self.problem(), state, logs, at, place, law);
+                most(&all.iter().copied().filter(goes_before).collect::<Vec<_>>())
+            };
+            sets.extend(with_plainer_ones(next, before).last());
         }
         if sets == story.sets {
             return story;

@@ -56,7 +56,7 @@ impl Diagnosis {
             };
             for other in step.additions.iter().filter(may_displace) {
                 // What follows a control's heat displaces nothing else: with any other effect it explains what is missing.
-                if logs.drivers.is_free_before_controlled(*member, other.effect) {
+                if logs.drivers.only_other_follows_control(*member, other.effect) {
                     continue;
                 }
                 let before = &state.refits[step.before].effects;
@@ -71,14 +71,14 @@ impl Diagnosis {
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
                 // A single place displaces a whole surface only where it would go before that, a law of several inputs one of one, and heat by a
-                // clock what was logged and explains nearly as much.
+                // clock what was logged and explained nearly as much at the step.
                 let [own, rival] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
                 let displaces_surface = own.is_group() && !rival.is_group() && !own.is_elsewhere_than(rival);
-                let goes_before = || {
+                let logged_before_clock = || {
                     let sets = [chosen, other.place];
                     why_plainer(self.problem(), state, &logs.drivers, step.before, sets) == Some(Plainness::Logged)
                 };
-                let is_less_plain = own.bound.len() < 2 && rival.bound.len() > 1 || goes_before();
+                let is_less_plain = own.bound.len() < 2 && rival.bound.len() > 1 || logged_before_clock();
                 let least = logs[end] + least_lead(more > 0, displaces_surface || is_less_plain);
                 let place = place
                     .filter(|&place| logs[place] > best.as_ref().map_or(least, |best| logs[best.place].max(least)));

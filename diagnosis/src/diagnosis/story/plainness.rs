@@ -60,21 +60,21 @@ impl Drivers {
     }
 
     /// Whether an effect follows no heat that a control makes, and another one does.
-    pub fn is_free_before_controlled(&self, own: usize, other: usize) -> bool {
+    pub fn only_other_follows_control(&self, own: usize, other: usize) -> bool {
         !Self::is(&self.control, own) && Self::is(&self.control, other)
     }
 
     /// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part.
     pub fn plainness(&self, problem: &Problem, own: usize, other: usize) -> Option<Plainness> {
         let [candidate, of_other] = [own, other].map(|effect| &problem.candidates[effect]);
-        let is_part = of_other.is_group() && !candidate.is_group() && !candidate.is_elsewhere_than(of_other);
+        let is_part = of_other.is_group() && !candidate.is_group() && !of_other.is_elsewhere_than(candidate);
         if is_part || [own, other].into_iter().any(|effect| problem.is_unknown_function(effect)) {
             return None;
         }
-        if self.is_free_before_controlled(own, other) {
+        if self.only_other_follows_control(own, other) {
             return Some(Plainness::FreeOfControl);
         }
-        if self.is_free_before_controlled(other, own) {
+        if self.only_other_follows_control(other, own) {
             return None;
         }
         if self.is_logged_before_clock(own, other) {

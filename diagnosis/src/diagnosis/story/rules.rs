@@ -72,6 +72,16 @@ pub fn explains_as_much(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> b
     explains_share(EXPLAINS_ALIKE, fitted, unseen)
 }
 
+/// A law, what goes before it, what goes before that, and so on: the plainest comes last. `before` gives what goes before a law.
+pub fn with_plainer_ones(law: usize, before: impl Fn(usize) -> Option<usize>) -> Vec<usize> {
+    let mut laws = vec![law];
+    // Nothing goes before itself, by whatever way.
+    while let Some(plainer) = laws.last().and_then(|&last| before(last)).filter(|own| !laws.contains(own)) {
+        laws.push(plainer);
+    }
+    laws
+}
+
 /// Whether a curve goes before laws: it leads the most probable one by clear log odds, and errs hardly more on unseen rows than the
 /// one that would be added; their errors there, the law's first.
 pub fn curve_goes_first(lead: f64, errors: [Option<f64>; 2]) -> bool {

@@ -75,11 +75,8 @@ pub(super) fn goes_before(
     plain: usize,
     other: usize,
 ) -> bool {
-    if is_implausible(state, at, plain) {
-        return false;
-    }
     let sets = [at, plain, other].map(|place| &state.refits[place]);
-    if is_implausible(state, at, other) {
+    if is_implausible(state, at, other) && !is_implausible(state, at, plain) {
         let squares = sets.map(|refit| refit.residuals.iter().map(|error| error * error).sum());
         if serves_as_well(squares, unseen(sets[2], sets[1]), logs[other] - logs[plain]) {
             return true;
@@ -88,7 +85,8 @@ pub(super) fn goes_before(
     why_plainer(problem, state, &logs.drivers, at, [plain, other]).is_some()
 }
 
-/// Why the effect that a set adds to another goes before that of a third set, where it is plainer and explains nearly as much.
+/// Why the effect that a set adds to another goes before that of a third set, where it is plainer, of plausible size, and explains nearly as
+/// much.
 pub(crate) fn why_plainer(
     problem: &Problem,
     state: &State,
@@ -96,6 +94,9 @@ pub(crate) fn why_plainer(
     at: usize,
     [plain, other]: [usize; 2],
 ) -> Option<Plainness> {
+    if is_implausible(state, at, plain) {
+        return None;
+    }
     let why = drivers.plainness(problem, added(state, at, plain)?, added(state, at, other)?)?;
     let sets = [at, plain, other].map(|place| &state.refits[place]);
     let (fitted, unseen) = (sets.map(|refit| refit.rmse_train_k), sets.map(|refit| refit.rmse_held_out_k));

@@ -4,6 +4,7 @@ use crate::diagnosis::engine::{Diagnosis, State};
 use crate::diagnosis::odds::posterior_odds::RIVALS_WITHIN;
 use crate::diagnosis::story::rules::{
     AskedOfUnseen, LawOfStep, SINGLE_PLACE, STANDS_BEHIND, curve_goes_first, first_likely, rises, whole_surface_first,
+    with_plainer_ones,
 };
 use crate::diagnosis::story::sets::{
     Logs, added, explains_half, goes_before, is_as_written, is_implausible, pays, unseen,
@@ -161,7 +162,7 @@ impl Choice<'_> {
     }
 
     /// Log posterior weights of the sets at this step: without those that fail, and with what is implausibly large or less
-    /// plain behind a plain effect that serves as well.
+    /// plain behind a plain effect that goes before it ([`goes_before`]), itself or by way of others.
     fn logs_of_step(&self, largest_law: Option<usize>, failing: &[usize]) -> Vec<f64> {
         let mut logs = self.logs.to_vec();
         let goes_before_law = |law: usize| {
@@ -169,21 +170,18 @@ impl Choice<'_> {
                 goes_before(self.diagnosis.problem(), self.state, self.logs, self.at, place, law)
             })
         };
-        // What goes before the most probable law may give way to a plainer one itself.
-        let mut laws: Vec<usize> = largest_law.into_iter().collect();
-        while let Some(plainer) = laws.last().and_then(|&law| goes_before_law(law)).filter(|own| !laws.contains(own)) {
-            laws.push(plainer);
-        }
-        if let [law, between @ .., plain] = laws.as_slice() {
-            let (law, plain) = (*law, *plain);
+        let laws = largest_law.map_or_else(Vec::new, |law| with_plainer_ones(law, goes_before_law));
+        if let [law, first, ..] = laws[..]
+            && let Some(&plain) = laws.last()
+        {
             let goes_before = |own: usize, place: usize| {
                 goes_before(self.diagnosis.problem(), self.state, self.logs, self.at, own, place)
             };
-            // Beside a law of implausible size nothing between the two is worth more than the plain one.
+            // Beside a law of implausible size nothing between it and the first that goes before it is worth more than that.
             let is_outdone = |place: usize| {
-                is_implausible(self.state, self.at, law)
-                    || between.contains(&place)
-                    || between.iter().chain([&plain]).any(|&own| goes_before(own, place))
+                is_implausible(self.state, self.at, law) && self.logs[place] > self.logs[first]
+                    || laws.contains(&place)
+                    || laws[1..].iter().any(|&own| goes_before(own, place))
             };
             let more = self.next().map(|one| one.1).filter(|&place| self.logs[place] > self.logs[plain]);
             let others: Vec<usize> = more.filter(|&place| is_outdone(place)).collect();

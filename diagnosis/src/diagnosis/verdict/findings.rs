@@ -107,7 +107,7 @@ impl Findings<'_> {
         self.unless_model_error(effect, shared.unwrap_or_else(|| self.probability_as_weighed(effect)))
     }
 
-    /// The same at a step, where it has a probability among all that may be added, and nothing.
+    /// Probability that an effect is missing by a step at which it may be added: at most that by all steps.
     pub(super) fn probability_at_step(&self, one: &Addition) -> f64 {
         self.probability(one.effect).min(self.unless_model_error(one.effect, one.probability))
     }

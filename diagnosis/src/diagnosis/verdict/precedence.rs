@@ -86,7 +86,10 @@ impl Findings<'_> {
         if story.logs[sets[1]] <= story.logs[sets[0]] {
             return None;
         }
-        let why = why_plainer(self.problem, self.state, &story.drivers, step.before, sets)?;
+        let why = |sets: [usize; 2]| why_plainer(self.problem, self.state, &story.drivers, step.before, sets);
+        // By way of a third one the reason is that by which this goes before the other.
+        let by_way = || step.additions.iter().find_map(|one| why([sets[0], one.place]).and(why([one.place, sets[1]])));
+        let why = why(sets).or_else(by_way)?;
         Some(match why {
             Plainness::FreeOfControl => Precedence::Control,
             Plainness::Logged => Precedence::Logged,
@@ -131,7 +134,10 @@ impl Findings<'_> {
             if is_curve(other) && !is_curve(effect) {
                 return Some(Precedence::Law);
             }
-            if self.is_whole(effect, other) {
+            let laws = step.additions.iter().filter(|one| !is_curve(one.effect));
+            let leading = laws.reduce(|a, b| if story.logs[b.place] > story.logs[a.place] { b } else { a });
+            // A whole surface goes before places elsewhere too, unless the most probable law is there.
+            if self.is_whole(effect, other) || leading.is_some_and(|law| self.is_whole(effect, law.effect)) {
                 return Some(Precedence::Group);
             }
             if after.is_implausible(other) && !refits[own.place].is_implausible(effect) {

@@ -70,7 +70,7 @@ fn what_needs_something_rare_is_a_twentieth_as_probable() {
 
 /// A path that follows what warms is exp(-1.5) times as probable as one that follows a flow; a load that does is as probable as another.
 #[test]
-fn a_path_rather_follows_a_flow_than_a_power_an_electric_current_or_a_clock_rate() {
+fn a_path_rather_follows_a_flow_than_a_power_an_electric_current_or_a_frequency_of_electronics() {
     let catalogue = Arc::new(Catalogue::embedded(&mut Diagnostics::new()));
     let recipe = Recipe::of(Topology::Star, TestKind::Steady, InjectionRequest::default());
     let problem = case(&catalogue, &recipe, 1, 0).unwrap().problem;
@@ -83,24 +83,26 @@ fn a_path_rather_follows_a_flow_than_a_power_an_electric_current_or_a_clock_rate
         };
         problem.candidates.iter().position(is_here).unwrap()
     };
-    let gain_to = |candidate: usize, unit: &str, most: f64| {
+    let gain_to = |candidate: usize, unit: &str, nominal: f64, most: Option<f64>| {
         let mut other = problem.clone();
         let input = &mut Arc::make_mut(&mut other.model).inputs[heater];
-        (input.unit, input.range) = (unit.to_owned(), Some([0.0, most]));
+        (input.unit, input.nominal, input.range) = (unit.to_owned(), nominal, most.map(|most| [0.0, most]));
         let of = |problem: &_| PriorOdds::new(problem).of(problem, &[candidate]);
         of(&other) - of(&problem)
     };
-    let gain = |candidate: usize, unit: &str| gain_to(candidate, unit, 10.0);
+    let gain = |candidate: usize, unit: &str| gain_to(candidate, unit, 10.0, None);
     for effect in ["input-dependent-conductance", "conductance-step"] {
         let path = at(effect, true);
         for (unit, expected) in [("A", 0.0), ("W/m^2", 0.0), ("kg/s", 1.5), ("m/s", 1.5), ("degC", 1.5), ("V", 1.5)] {
             let gained = gain(path, unit);
             assert!((gained - expected).abs() < 1e-12, "{effect}, {unit}: {gained}");
         }
-        // A clock rate of electronics, and the speed of a fan.
-        for (most_hz, expected) in [(2e9, 0.0), (100.0, 1.5)] {
-            let gained = gain_to(path, "GHz", most_hz);
-            assert!((gained - expected).abs() < 1e-12, "{effect}, {most_hz} Hz: {gained}");
+        // Electronics, and fans.
+        for (nominal_hz, most_hz, expected) in
+            [(1.0, Some(1e6), 0.0), (2e9, None, 0.0), (1e9, Some(9e5), 1.5), (100.0, None, 1.5)]
+        {
+            let gained = gain_to(path, "Hz", nominal_hz, most_hz);
+            assert!((gained - expected).abs() < 1e-12, "{effect}, {nominal_hz} Hz, {most_hz:?}: {gained}");
         }
     }
     assert_eq!(gain(at("input-dependent-load", false), "kg/s"), 0.0);

@@ -4,6 +4,7 @@ use bmv::diagnosis::story::rules::AskedOfUnseen::{Fall, FallUnlessClear};
 use bmv::diagnosis::story::rules::{
     Gain, LawOfStep, Weighed, curve_goes_first, explains_as_much, explains_nearly_as_much, explains_on_both, falls,
     first_likely, least_lead, pays_by, rises, serves_as_well, surface_explains_alike, whole_surface_first,
+    with_plainer_ones,
 };
 
 /// 95 % of what the other explains, and no larger error on unseen rows; 80 % with a clearly smaller one.
@@ -150,4 +151,13 @@ fn an_unlikely_surface_gives_way_to_the_law_that_is_likely() {
     // Laws far behind what fails on unseen rows give way to what is as probable as that.
     assert_eq!(first_likely(&[[1e-9, 0.2], [1e-9, 0.2], [0.8, 0.8]]), Some(2));
     assert_eq!(first_likely(&[[1e-9, 0.2]]), None);
+}
+
+/// Law 3 gives way to 1, that to 2; what would go round ends.
+#[test]
+fn what_goes_before_a_law_gives_way_in_turn() {
+    let before = |law: usize| [None, Some(2), None, Some(1)][law];
+    assert_eq!(with_plainer_ones(3, before), [3, 1, 2]);
+    assert_eq!(with_plainer_ones(2, before), [2]);
+    assert_eq!(with_plainer_ones(0, |law| Some(1 - law)), [0, 1]);
 }
