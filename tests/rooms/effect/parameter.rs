@@ -73,3 +73,16 @@ fn nothing_changes_at_a_date_at_the_ends_of_what_was_measured() {
     let own = parameters.iter().find(|own| own.name == "date").unwrap();
     assert_eq!(own.prior, Distribution::Uniform { lower: 1020.0, upper: 1980.0 });
 }
+
+/// No sensor reads beyond the temperature towards which it is pulled, and no joint loses more than all.
+#[test]
+fn a_share_is_at_most_1_however_wide_its_prior() {
+    let catalogue = Catalogue::embedded(&mut Diagnostics::new());
+    let model = hardware(700.0, 2.0);
+    for (effect, name) in [("sensor-conduction", "ratio"), ("conductance-lost-below", "lost")] {
+        let parameters = catalogue.get(effect).unwrap().parameters(&model, &[Bound::Node(1)]);
+        let prior = parameters.iter().find(|parameter| parameter.name == name).unwrap().prior;
+        let Distribution::Normal { lower, upper, .. } = widened(prior, 100.0) else { panic!("{effect}: {prior:?}") };
+        assert_eq!((lower, upper), (Some(0.0), Some(1.0)), "{effect}");
+    }
+}
