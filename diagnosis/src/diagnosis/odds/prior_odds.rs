@@ -29,8 +29,8 @@ const OUT_OF_PLACE: f64 = 3.0;
 /// model uses that power or irradiance nowhere: it was logged for a reason. A convention.
 const LOGGED_HEAT: f64 = 1.5;
 /// Log odds by which a path that follows a logged power, irradiance, electric current or frequency of electronics stands behind one
-/// that follows anything else: these warm, and a path follows a flow, a speed, a pressure or a temperature. It may be that of a fan, so that the odds are not those of
-/// what is out of place. A convention.
+/// that follows anything else: these warm, and a path follows a flow, a speed, a pressure or a temperature. It may be that of a fan, so
+/// that the odds are not those of what is out of place. A convention.
 const PATH_BY_HEAT: f64 = 1.5;
 /// Log odds by which a logged power that follows the temperature of what it heats stands behind other effects: a meter has read it at
 /// that temperature. What was logged may be a command or a rating, so that the odds are not those of what is out of place. A convention.
@@ -124,8 +124,8 @@ pub fn log_share_of_changes(measurements: &[Measurement]) -> f64 {
     ln((measured_s / CHANGES_WITHIN_S).clamp(LEAST_CHANGES, 1.0))
 }
 
-/// Whether an effect makes paths between nodes follow nothing but powers, irradiances, electric currents and frequencies of electronics. An effect
-/// that states the unit of its input, such as that of a switch that is driven by a current, means it.
+/// Whether an effect makes paths between nodes follow nothing but powers, irradiances, electric currents and frequencies of
+/// electronics. An effect that states the unit of its input, such as that of a switch that is driven by a current, means it.
 fn is_path_by_heat(problem: &Problem, effect: usize) -> bool {
     let candidate = &problem.candidates[effect];
     let (Site::Elements(elements), Some(own)) = (&candidate.site, problem.catalogue.get(&candidate.effect)) else {

@@ -85,8 +85,8 @@ pub(super) fn goes_before(
     why_plainer(problem, state, &logs.drivers, at, [plain, other]).is_some()
 }
 
-/// Why the effect that a set adds to another goes before that of a third set, where it is plainer, of plausible size, and explains nearly as
-/// much.
+/// Why the effect that a set adds to another goes before that of a third set, where it is plainer, of plausible size, and explains
+/// nearly as much.
 pub(crate) fn why_plainer(
     problem: &Problem,
     state: &State,
