@@ -20,7 +20,7 @@ pub(crate) enum Plainness {
 impl Plainness {
     /// Whether the plainer law explains so much of what the other does that it goes before it: errors without both, with it and with the
     /// other, on the fitted and on the unseen rows.
-    pub fn goes_before(self, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
+    pub(super) fn goes_before(self, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
         match self {
             Self::FreeOfControl | Self::Logged => explains_nearly_as_much(fitted, unseen),
             Self::FewerInputs => explains_as_much(fitted, unseen),
@@ -34,14 +34,14 @@ pub(crate) struct Drivers {
     /// Whether it follows a heat that a control makes.
     pub control: Vec<bool>,
     /// Whether it is heat in proportion to a logged power or irradiance that the baseline model does not use, at whatever place.
-    pub unused_heat: Vec<bool>,
+    unused_heat: Vec<bool>,
     /// Whether it is heat that goes by a clock.
-    pub clock: Vec<bool>,
+    clock: Vec<bool>,
 }
 
 impl Drivers {
     /// Of a problem, before any control is found.
-    pub fn of(problem: &Problem) -> Self {
+    pub(super) fn of(problem: &Problem) -> Self {
         let is_one = |own: &Candidate| problem.catalogue.get(&own.effect).is_some_and(is_heat_by_clock);
         Self {
             control: vec![false; problem.candidates.len()],
@@ -55,17 +55,17 @@ impl Drivers {
     }
 
     /// Whether an effect is heat that was logged, and another one heat by a clock.
-    pub fn is_logged_before_clock(&self, own: usize, other: usize) -> bool {
+    fn is_logged_before_clock(&self, own: usize, other: usize) -> bool {
         Self::is(&self.unused_heat, own) && Self::is(&self.clock, other)
     }
 
     /// Whether an effect follows no heat that a control makes, and another one does.
-    pub fn only_other_follows_control(&self, own: usize, other: usize) -> bool {
+    pub(super) fn only_other_follows_control(&self, own: usize, other: usize) -> bool {
         !Self::is(&self.control, own) && Self::is(&self.control, other)
     }
 
     /// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part.
-    pub fn plainness(&self, problem: &Problem, own: usize, other: usize) -> Option<Plainness> {
+    pub(super) fn plainness(&self, problem: &Problem, own: usize, other: usize) -> Option<Plainness> {
         let [candidate, of_other] = [own, other].map(|effect| &problem.candidates[effect]);
         let is_part = of_other.is_group() && !candidate.is_group() && !of_other.is_elsewhere_than(candidate);
         if is_part || [own, other].into_iter().any(|effect| problem.is_unknown_function(effect)) {
