@@ -134,6 +134,8 @@ pub enum Precedence {
     Control,
     /// It is heat that was logged, the other heat that goes by a clock.
     Logged,
+    /// It is heat that was logged, the other a change of paths or loads that follows what warms.
+    Added,
     /// The other takes several inputs.
     Inputs,
     /// The whole selected set is more probable than those with the other in its place.

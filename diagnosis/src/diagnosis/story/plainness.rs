@@ -2,6 +2,7 @@
 
 use crate::diagnosis::Problem;
 use crate::diagnosis::odds::logged_heat::are_of_unused_heat;
+use crate::diagnosis::odds::prior_odds::follows_what_warms;
 use crate::diagnosis::story::rules::{explains_as_much, explains_nearly_as_much};
 use crate::effect::{Candidate, Effect};
 
@@ -13,6 +14,8 @@ pub(crate) enum Plainness {
     /// It is heat that was logged, the other heat that goes by a clock, whose fitted time can follow any cause that changes then or
     /// comes again every day.
     Logged,
+    /// It is heat that was logged, the other a change of paths or loads that follows what warms, such as an irradiance.
+    Added,
     /// The other takes several inputs.
     FewerInputs,
 }
@@ -22,7 +25,7 @@ impl Plainness {
     /// other, on the fitted and on the unseen rows.
     pub(super) fn goes_before(self, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
         match self {
-            Self::FreeOfControl | Self::Logged => explains_nearly_as_much(fitted, unseen),
+            Self::FreeOfControl | Self::Logged | Self::Added => explains_nearly_as_much(fitted, unseen),
             Self::FewerInputs => explains_as_much(fitted, unseen),
         }
     }
@@ -37,6 +40,8 @@ pub(crate) struct Drivers {
     unused_heat: Vec<bool>,
     /// Whether it is heat that goes by a clock.
     clock: Vec<bool>,
+    /// Whether it changes paths or loads and follows nothing but what warms.
+    change_by_heat: Vec<bool>,
 }
 
 impl Drivers {
@@ -47,6 +52,7 @@ impl Drivers {
             control: vec![false; problem.candidates.len()],
             unused_heat: are_of_unused_heat(problem),
             clock: problem.candidates.iter().map(is_one).collect(),
+            change_by_heat: (0..problem.candidates.len()).map(|effect| follows_what_warms(problem, effect)).collect(),
         }
     }
 
@@ -54,9 +60,11 @@ impl Drivers {
         of.get(effect) == Some(&true)
     }
 
-    /// Whether an effect is heat that was logged, and another one heat by a clock.
-    fn is_logged_before_clock(&self, own: usize, other: usize) -> bool {
-        Self::is(&self.unused_heat, own) && Self::is(&self.clock, other)
+    /// Why an effect that is heat that was logged is plainer than another.
+    fn as_logged_heat(&self, own: usize, other: usize) -> Option<Plainness> {
+        let reasons = [(&self.clock, Plainness::Logged), (&self.change_by_heat, Plainness::Added)];
+        let own_is_logged = Self::is(&self.unused_heat, own);
+        reasons.into_iter().find(|(of, _)| own_is_logged && Self::is(of, other)).map(|(_, why)| why)
     }
 
     /// Whether an effect follows no heat that a control makes, and another one does.
@@ -77,10 +85,8 @@ impl Drivers {
         if self.only_other_follows_control(other, own) {
             return None;
         }
-        if self.is_logged_before_clock(own, other) {
-            return Some(Plainness::Logged);
-        }
-        (candidate.bound.len() < 2 && of_other.bound.len() > 1).then_some(Plainness::FewerInputs)
+        let has_fewer_inputs = candidate.bound.len() < 2 && of_other.bound.len() > 1;
+        self.as_logged_heat(own, other).or(has_fewer_inputs.then_some(Plainness::FewerInputs))
     }
 }
 
