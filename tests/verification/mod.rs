@@ -18,6 +18,7 @@ mod flux;
 mod forced_convection;
 mod gaps;
 mod goal;
+mod heat_before_change;
 mod heat_by_clock;
 mod held;
 mod hidden_effect;
