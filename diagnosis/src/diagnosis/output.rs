@@ -134,8 +134,8 @@ pub enum Precedence {
     Control,
     /// It is heat that was logged, the other heat that goes by a clock.
     Logged,
-    /// It is heat that was logged, the other a change of paths or loads that follows what warms.
-    Added,
+    /// It is heat that was logged, the other a change of a path or a load that follows the same power or irradiance.
+    ChangeByHeat,
     /// The other takes several inputs.
     Inputs,
     /// The whole selected set is more probable than those with the other in its place.

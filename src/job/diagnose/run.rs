@@ -202,7 +202,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        68
+        69
     }
 
     fn identity(&self) -> Value {

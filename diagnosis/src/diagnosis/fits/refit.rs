@@ -433,6 +433,12 @@ impl Refit {
         self.names.iter().cloned().zip(self.unknowns.iter().copied()).collect()
     }
 
+    /// Whether an effect of the set is above 0: its first parameter is.
+    pub fn is_positive(&self, effect: usize) -> bool {
+        let position = self.effects.iter().position(|&own| own == effect);
+        position.and_then(|position| self.amplitudes[position].first()).is_some_and(|first| first.mean > 0.0)
+    }
+
     /// Whether an effect of the set does nothing: its first parameter is 0, or too little to matter.
     pub fn does_nothing(&self, effect: usize) -> bool {
         let position = self.effects.iter().position(|&fitted_effect| fitted_effect == effect);

@@ -46,6 +46,29 @@ fn inputs(symbols: &[Symbol]) -> Vec<usize> {
     symbols.iter().filter_map(input).collect()
 }
 
+/// Of each candidate whether it lets paths, or loads whose heat goes with no input, follow inputs. An effect that states the unit of its
+/// inputs is left out: it is meant for these.
+pub(crate) fn are_changes_by_inputs(problem: &Problem) -> Vec<bool> {
+    let model = &problem.model;
+    let mut graph = model.graph.clone();
+    let mut is_undriven = |element: &Element| {
+        let physics = element.physics();
+        let is_path = physics.between().is_some();
+        is_path || physics.heated().is_some() && inputs(&symbols_of_heat(element, &mut graph)).is_empty()
+    };
+    let is_undriven: Vec<bool> = model.elements.iter().map(&mut is_undriven).collect();
+    let is_factor = |effect: &Effect| {
+        effect.form.adds.value.factor.is_some() && effect.form.inputs.iter().all(|input| input.value.unit.is_none())
+    };
+    let is_one = |own: &Candidate| {
+        let Site::Elements(elements) = &own.site else { return false };
+        problem.catalogue.get(&own.effect).is_some_and(is_factor)
+            && !own.bound.is_empty()
+            && elements.iter().all(|&element| is_undriven.get(element) == Some(&true))
+    };
+    problem.candidates.iter().map(is_one).collect()
+}
+
 /// Of each candidate whether it lets the power of loads or heaters follow their temperature, though all of them are made of logged powers
 /// and of nothing else that changes.
 pub(crate) fn are_laws_of_logged_power(problem: &Problem) -> Vec<bool> {

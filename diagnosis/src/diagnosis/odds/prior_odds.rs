@@ -125,24 +125,19 @@ pub fn log_share_of_changes(measurements: &[Measurement]) -> f64 {
 }
 
 /// Whether an effect makes paths between nodes follow nothing but powers, irradiances, electric currents and frequencies of
-/// electronics.
+/// electronics. An effect that states the unit of its input, such as that of a switch that is driven by a current, means it.
 fn is_path_by_heat(problem: &Problem, effect: usize) -> bool {
-    let is_path =
-        |place: &usize| problem.model.elements.get(*place).is_some_and(|own| own.physics().between().is_some());
-    matches!(&problem.candidates[effect].site, Site::Elements(elements) if elements.iter().all(is_path))
-        && follows_what_warms(problem, effect)
-}
-
-/// Whether an effect makes elements follow nothing but powers, irradiances, electric currents and frequencies of electronics. One that
-/// states the unit of its input, such as that of a switch that is driven by a current, means it.
-pub(crate) fn follows_what_warms(problem: &Problem, effect: usize) -> bool {
     let candidate = &problem.candidates[effect];
-    let (Site::Elements(_), Some(own)) = (&candidate.site, problem.catalogue.get(&candidate.effect)) else {
+    let (Site::Elements(elements), Some(own)) = (&candidate.site, problem.catalogue.get(&candidate.effect)) else {
         return false;
     };
+    let is_path =
+        |&place: &usize| problem.model.elements.get(place).is_some_and(|own| own.physics().between().is_some());
     let warms = |bound: &Bound| matches!(bound, Bound::Input(input) if warms(&problem.model.inputs[*input]));
     let mut inputs = own.form.inputs.iter().zip(&candidate.bound);
-    !candidate.bound.is_empty() && inputs.all(|(form, bound)| form.value.unit.is_none() && warms(bound))
+    !candidate.bound.is_empty()
+        && elements.iter().all(is_path)
+        && inputs.all(|(form, bound)| form.value.unit.is_none() && warms(bound))
 }
 
 /// Whether an effect is a hidden node between two nodes that nothing in the baseline model joins.

@@ -51,16 +51,13 @@ impl Diagnosis {
                 state.refits[chosen].effects.iter().find(|one| !state.refits[step.before].effects.contains(one))?;
             let is_alike = |one: &&Addition| logs[chosen] - logs[one.place] < CLEARLY.max(ALIKE_SHARE * gain);
             let pays = |one: &&Addition| more > 0 && pays(state, logs, step.before, one.place, AskedOfUnseen::Fall);
-            // Heat that was logged and explained nearly as much at the step.
-            let is_behind_logged_heat = |one: &Addition| {
-                let why = why_plainer(self.problem(), state, &logs.drivers, step.before, [chosen, one.place]);
-                matches!(why, Some(Plainness::Logged | Plainness::Added))
-            };
-            // What is less plain, and was less probable, only shows beside others: these may stand for the logged heat.
-            let is_no_rival = |one: &Addition| logs[one.place] < logs[chosen] && is_behind_logged_heat(one);
             let may_displace = |one: &&Addition| {
-                !step.failing.contains(&one.effect)
-                    && (is_alike(one) && !is_no_rival(one) || is_minor(*member) || pays(one))
+                !step.failing.contains(&one.effect) && (is_alike(one) || is_minor(*member) || pays(one))
+            };
+            // Whether the chosen effect is logged heat that explained nearly as much at the step as another one.
+            let is_logged_before = |one: &Addition| {
+                let why = why_plainer(self.problem(), state, &logs.drivers, step.before, [chosen, one.place]);
+                matches!(why, Some(Plainness::Logged | Plainness::ChangeByHeat))
             };
             for other in step.additions.iter().filter(may_displace) {
                 // What follows a control's heat displaces nothing else: with any other effect it explains what is missing.
@@ -79,11 +76,15 @@ impl Diagnosis {
                 };
                 let place = (0..logs.len()).filter(is_other).reduce(|a, b| if logs[b] > logs[a] { b } else { a });
                 // A single place displaces a whole surface only where it would go before that, a law of several inputs one of one, and heat by a
-                // clock, or a change by what warms, the heat that was logged and explained nearly as much at the step.
+                // clock, or a change by a logged heat, that heat where it explained nearly as much at the step.
                 let [own, rival] = [*member, other.effect].map(|one| &self.problem().candidates[one]);
                 let displaces_surface = own.is_group() && !rival.is_group() && !own.is_elsewhere_than(rival);
-                let is_less_plain = own.bound.len() < 2 && rival.bound.len() > 1 || is_behind_logged_heat(other);
-                let least = logs[end] + least_lead(more > 0, displaces_surface || is_less_plain);
+                let is_behind = is_logged_before(other);
+                let is_less_plain = own.bound.len() < 2 && rival.bound.len() > 1 || is_behind;
+                let was_less_probable = logs[other.place] < logs[chosen];
+                let least = logs[end]
+                    + least_lead(more > 0, displaces_surface || is_less_plain)
+                    + if is_behind && was_less_probable { CLEARLY } else { 0.0 };
                 let place = place
                     .filter(|&place| logs[place] > best.as_ref().map_or(least, |best| logs[best.place].max(least)));
                 let Some(place) = place else { continue };

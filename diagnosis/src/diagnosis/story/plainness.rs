@@ -1,8 +1,7 @@
 //! Which laws are plainer than others, so that they go before them where they explain nearly as much.
 
 use crate::diagnosis::Problem;
-use crate::diagnosis::odds::logged_heat::are_of_unused_heat;
-use crate::diagnosis::odds::prior_odds::follows_what_warms;
+use crate::diagnosis::odds::logged_heat::{are_changes_by_inputs, are_of_unused_heat};
 use crate::diagnosis::story::rules::{explains_as_much, explains_nearly_as_much};
 use crate::effect::{Candidate, Effect};
 
@@ -14,8 +13,9 @@ pub(crate) enum Plainness {
     /// It is heat that was logged, the other heat that goes by a clock, whose fitted time can follow any cause that changes then or
     /// comes again every day.
     Logged,
-    /// It is heat that was logged, the other a change of paths or loads that follows what warms, such as an irradiance.
-    Added,
+    /// It is heat that was logged, the other a change of a path or a load that follows the same power or irradiance: that this warms is
+    /// likelier than that it changes anything.
+    ChangeByHeat,
     /// The other takes several inputs.
     FewerInputs,
 }
@@ -25,7 +25,7 @@ impl Plainness {
     /// other, on the fitted and on the unseen rows.
     pub(super) fn goes_before(self, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
         match self {
-            Self::FreeOfControl | Self::Logged | Self::Added => explains_nearly_as_much(fitted, unseen),
+            Self::FreeOfControl | Self::Logged | Self::ChangeByHeat => explains_nearly_as_much(fitted, unseen),
             Self::FewerInputs => explains_as_much(fitted, unseen),
         }
     }
@@ -40,8 +40,8 @@ pub(crate) struct Drivers {
     unused_heat: Vec<bool>,
     /// Whether it is heat that goes by a clock.
     clock: Vec<bool>,
-    /// Whether it changes paths or loads and follows nothing but what warms.
-    change_by_heat: Vec<bool>,
+    /// Whether it lets paths, or loads that no input drives, follow inputs.
+    change_by_inputs: Vec<bool>,
 }
 
 impl Drivers {
@@ -52,7 +52,7 @@ impl Drivers {
             control: vec![false; problem.candidates.len()],
             unused_heat: are_of_unused_heat(problem),
             clock: problem.candidates.iter().map(is_one).collect(),
-            change_by_heat: (0..problem.candidates.len()).map(|effect| follows_what_warms(problem, effect)).collect(),
+            change_by_inputs: are_changes_by_inputs(problem),
         }
     }
 
@@ -60,11 +60,16 @@ impl Drivers {
         of.get(effect) == Some(&true)
     }
 
-    /// Why an effect that is heat that was logged is plainer than another.
-    fn as_logged_heat(&self, own: usize, other: usize) -> Option<Plainness> {
-        let reasons = [(&self.clock, Plainness::Logged), (&self.change_by_heat, Plainness::Added)];
-        let own_is_logged = Self::is(&self.unused_heat, own);
-        reasons.into_iter().find(|(of, _)| own_is_logged && Self::is(of, other)).map(|(_, why)| why)
+    /// Why an effect is plainer than another as heat that was logged.
+    fn why_logged_heat_is_plainer(&self, problem: &Problem, own: usize, other: usize) -> Option<Plainness> {
+        if !Self::is(&self.unused_heat, own) {
+            return None;
+        }
+        let [own_inputs, inputs] = [own, other].map(|effect| &problem.candidates[effect].bound);
+        let follows_it = || inputs.iter().all(|input| own_inputs.contains(input));
+        let is_change = Self::is(&self.change_by_inputs, other) && follows_it();
+        let by_clock = Self::is(&self.clock, other).then_some(Plainness::Logged);
+        by_clock.or(is_change.then_some(Plainness::ChangeByHeat))
     }
 
     /// Whether an effect follows no heat that a control makes, and another one does.
@@ -72,7 +77,8 @@ impl Drivers {
         !Self::is(&self.control, own) && Self::is(&self.control, other)
     }
 
-    /// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part.
+    /// Whether a law is plainer than another one, and why. A single place is not plainer than the whole surface of which it is a part, nor
+    /// is heat at a single node plainer than a change of a whole group.
     pub(super) fn plainness(&self, problem: &Problem, own: usize, other: usize) -> Option<Plainness> {
         let [candidate, of_other] = [own, other].map(|effect| &problem.candidates[effect]);
         let is_part = of_other.is_group() && !candidate.is_group() && !of_other.is_elsewhere_than(candidate);
@@ -86,7 +92,7 @@ impl Drivers {
             return None;
         }
         let has_fewer_inputs = candidate.bound.len() < 2 && of_other.bound.len() > 1;
-        self.as_logged_heat(own, other).or(has_fewer_inputs.then_some(Plainness::FewerInputs))
+        self.why_logged_heat_is_plainer(problem, own, other).or(has_fewer_inputs.then_some(Plainness::FewerInputs))
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) const STANDS_BEHIND: f64 = 1.0;
 /// more and what fails on the unseen ones is no rival of it: errors of the model help on one of them only.
 const EXPLAINS_ON_BOTH: f64 = 0.5;
 /// Share of what an effect explains, in squares of errors on the fitted and on the unseen rows, that another has to explain to go before it
-/// where the former follows a control or a clock: these go with whatever is missing, so that it explains more than it is.
+/// where the former follows a control or a clock, which go with whatever is missing, or changes something by what warms.
 const EXPLAINS_NEARLY: f64 = 0.9;
 /// Share of the largest gain of a member below which a member is a minor one, which gives way to any that explains more.
 pub(crate) const MINOR_SHARE: f64 = 0.2;
@@ -62,7 +62,7 @@ fn explains_share(share: f64, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]
     matches!(fitted, [Some(_), Some(_), Some(_)]) && explains(fitted) && explains(unseen)
 }
 
-/// Whether an effect explains nine tenths of what another does that follows a control or a clock.
+/// Whether an effect explains nine tenths of what another does that follows a control or a clock, or changes something by what warms.
 pub fn explains_nearly_as_much(fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {
     explains_share(EXPLAINS_NEARLY, fitted, unseen)
 }

@@ -97,7 +97,13 @@ pub(crate) fn why_plainer(
     if is_implausible(state, at, plain) {
         return None;
     }
-    let why = drivers.plainness(problem, added(state, at, plain)?, added(state, at, other)?)?;
+    let own = added(state, at, plain)?;
+    let why = drivers.plainness(problem, own, added(state, at, other)?)?;
+    let is_of_logged_heat = matches!(why, Plainness::Logged | Plainness::ChangeByHeat);
+    // Heat that cools is not what was logged.
+    if is_of_logged_heat && !state.refits[plain].is_positive(own) {
+        return None;
+    }
     let sets = [at, plain, other].map(|place| &state.refits[place]);
     let (fitted, unseen) = (sets.map(|refit| refit.rmse_train_k), sets.map(|refit| refit.rmse_held_out_k));
     why.goes_before(fitted, unseen).then_some(why)

@@ -24,8 +24,8 @@ impl Precedence {
             Self::Size => "the other would have to be a hundred times as large as is plausible",
             Self::Control => "the other follows a heat that a control makes, which follows whatever is missing",
             Self::Logged => "heat that was logged explains nearly as much as the other, which goes by the clock",
-            Self::Added => {
-                "heat that was logged explains nearly as much as the other, which changes a path or a load by what warms"
+            Self::ChangeByHeat => {
+                "heat in proportion to a logged power or irradiance explains nearly as much as the other, in which that changes a conductance or a load"
             }
             Self::Inputs => "the other takes several inputs and hardly explains more",
             Self::Set => "all that is selected is more probable than what was fitted with the other in its place",
@@ -96,7 +96,7 @@ impl Findings<'_> {
         Some(match why {
             Plainness::FreeOfControl => Precedence::Control,
             Plainness::Logged => Precedence::Logged,
-            Plainness::Added => Precedence::Added,
+            Plainness::ChangeByHeat => Precedence::ChangeByHeat,
             Plainness::FewerInputs => Precedence::Inputs,
         })
     }
