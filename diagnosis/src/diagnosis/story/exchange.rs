@@ -57,7 +57,7 @@ impl Diagnosis {
             // Whether the chosen effect is logged heat that explained nearly as much at the step as another one.
             let is_logged_before = |one: &Addition| {
                 let why = why_plainer(self.problem(), state, &logs.drivers, step.before, [chosen, one.place]);
-                matches!(why, Some(Plainness::Logged | Plainness::ChangeByHeat))
+                why.is_some_and(Plainness::is_of_logged_heat)
             };
             for other in step.additions.iter().filter(may_displace) {
                 // What follows a control's heat displaces nothing else: with any other effect it explains what is missing.

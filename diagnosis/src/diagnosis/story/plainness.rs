@@ -21,6 +21,11 @@ pub(crate) enum Plainness {
 }
 
 impl Plainness {
+    /// Whether the plainer law is heat that was logged.
+    pub(super) fn is_of_logged_heat(self) -> bool {
+        matches!(self, Self::Logged | Self::ChangeByHeat)
+    }
+
     /// Whether the plainer law explains so much of what the other does that it goes before it: errors without both, with it and with the
     /// other, on the fitted and on the unseen rows.
     pub(super) fn goes_before(self, fitted: [Option<f64>; 3], unseen: [Option<f64>; 3]) -> bool {

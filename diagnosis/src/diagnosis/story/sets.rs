@@ -99,9 +99,8 @@ pub(crate) fn why_plainer(
     }
     let own = added(state, at, plain)?;
     let why = drivers.plainness(problem, own, added(state, at, other)?)?;
-    let is_of_logged_heat = matches!(why, Plainness::Logged | Plainness::ChangeByHeat);
     // Heat that cools is not what was logged.
-    if is_of_logged_heat && !state.refits[plain].is_positive(own) {
+    if why.is_of_logged_heat() && !state.refits[plain].is_positive(own) {
         return None;
     }
     let sets = [at, plain, other].map(|place| &state.refits[place]);
