@@ -81,10 +81,8 @@ impl Diagnosis {
                 let displaces_surface = own.is_group() && !rival.is_group() && !own.is_elsewhere_than(rival);
                 let is_behind = is_logged_before(other);
                 let is_less_plain = own.bound.len() < 2 && rival.bound.len() > 1 || is_behind;
-                let was_less_probable = logs[other.place] < logs[chosen];
-                let least = logs[end]
-                    + least_lead(more > 0, displaces_surface || is_less_plain)
-                    + if is_behind && was_less_probable { CLEARLY } else { 0.0 };
+                let was_less_probable = is_behind && logs[other.place] < logs[chosen];
+                let least = logs[end] + least_lead(more > 0, displaces_surface || is_less_plain, was_less_probable);
                 let place = place
                     .filter(|&place| logs[place] > best.as_ref().map_or(least, |best| logs[best.place].max(least)));
                 let Some(place) = place else { continue };

@@ -123,9 +123,11 @@ pub fn first_likely(in_turn: &[[f64; 2]]) -> Option<usize> {
 }
 
 /// Log odds by which another set has to lead that of a story to displace it: clear ones where it has more effects, or a single place
-/// for a whole surface that would go before it, or a law for a plainer one.
-pub fn least_lead(is_larger: bool, displaces_plainer: bool) -> f64 {
-    if is_larger || displaces_plainer { CLEARLY } else { 0.0 }
+/// for a whole surface that would go before it, or a law for a plainer one; and as much again where the plainer one is logged heat that
+/// was the more probable at its step.
+pub fn least_lead(is_larger: bool, displaces_plainer: bool, was_less_probable: bool) -> f64 {
+    let clear = |is_asked: bool| if is_asked { CLEARLY } else { 0.0 };
+    clear(is_larger || displaces_plainer) + clear(was_less_probable)
 }
 
 /// Whether a set explains nearly as much as another, from the sums of squares without both, with it and with the other, and

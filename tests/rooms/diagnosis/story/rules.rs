@@ -140,7 +140,10 @@ fn a_set_with_a_whole_surface_displaces_where_one_with_a_place_of_it_would() {
 /// As a single place goes first at ten in log odds only.
 #[test]
 fn a_single_place_displaces_a_whole_surface_only_where_it_is_clearly_more_probable() {
-    assert_eq!([least_lead(false, true), least_lead(true, false), least_lead(false, false)], [10.0, 10.0, 0.0]);
+    let of_probable =
+        [[false, true], [true, false], [true, true], [false, false]].map(|[a, b]| least_lead(a, b, false));
+    assert_eq!(of_probable, [10.0, 10.0, 10.0, 0.0]);
+    assert_eq!(least_lead(false, true, true), 20.0, "logged heat that was the more probable holds its place longer");
 }
 
 #[test]
