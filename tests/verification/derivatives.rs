@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use bmv::expression::{Binary, ExprId, Graph, Symbol, Term, Unary};
 use bmv::thermal::transient::tableau::{COEFFICIENTS, GAMMA, NODES, STAGES};
-use bmv::thermal::{InitialState, InputTable, Model, Network, NodeKind, Start, TransientOptions, TransientRequest};
+use bmv::thermal::{
+    InitialState, InputColumn, InputTable, Model, Network, NodeKind, Start, TransientOptions, TransientRequest,
+};
 use num_dual::{Dual64, DualNum};
 
 use super::build::{Build, radiator, sxm};
@@ -489,4 +491,88 @@ fn a_node_that_starts_in_balance_does_so_with_its_derivatives() {
             assert!((own - difference).abs() < 1e-6 * difference.abs().max(1.0), "{column} {i}: {own} {difference}");
         }
     }
+}
+
+/// Coarse derivatives are those of a step of second order: with the steps of rows of a minute a per cent of the largest, with
+/// capacities that vary, nodes without storage and a wall that moves, and with a start that is fitted.
+#[test]
+fn coarse_derivatives_are_within_a_per_cent() {
+    let model = mixed();
+    let symbols: Vec<Symbol> = (0..4).map(Symbol::Parameter).collect();
+    let network = Network::compile(&model, &symbols).unwrap();
+    let (start, seeds) = (vec![300.0; 4], [vec![1.0; 4]]);
+    let times_s: Vec<f64> = (0..60).map(|row| 60.0 * f64::from(row)).collect();
+    let inputs = InputTable { times_s: times_s.clone(), ..InputTable::default() };
+    let run = |coarse_derivatives: bool| {
+        let options = TransientOptions { coarse_derivatives, longest_step_s: 60.0, ..TransientOptions::default() };
+        let initial = InitialState::Temperatures(&start);
+        let request = TransientRequest {
+            seeds: &seeds,
+            sensitivities: true,
+            options,
+            ..TransientRequest::new(network.nominal_parameters(), &inputs, initial, &times_s)
+        };
+        network.solve_transient(&request).unwrap()
+    };
+    let (exact, coarse) = (run(false), run(true));
+    assert_eq!(exact.quantities, coarse.quantities);
+    assert!(coarse.stats.factorisations < exact.stats.factorisations);
+    let columns = 5;
+    for column in 0..columns {
+        let of = |result: &[f64], quantity: usize| -> Vec<f64> {
+            result.iter().skip(quantity * columns + column).step_by(2 * columns).copied().collect()
+        };
+        for quantity in 0..2 {
+            let (exact, coarse) = (of(&exact.quantity_tangent, quantity), of(&coarse.quantity_tangent, quantity));
+            let largest = exact.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            let off = exact.iter().zip(&coarse).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+            assert!(largest > 0.0 && off < 0.01 * largest, "{quantity} {column}: {off} of {largest}");
+        }
+    }
+}
+
+/// A foil that follows its heater within seconds stores little: after every step of the heater, what its capacity takes goes by the
+/// change of its temperature, not by the slope that it has for a moment.
+#[test]
+fn coarse_derivatives_of_the_capacity_of_a_quick_node_are_of_the_right_size() {
+    let mut b = Build::default();
+    let c = b.parameter("c", 2.0);
+    let q = b.input("Q", 0.0);
+    let foil = b.diffusion_of("foil", c);
+    let plate = b.diffusion("plate", 500.0);
+    let path = b.n(0.5);
+    b.conductor("foil plate", [foil, plate], path);
+    let room = b.n(293.0);
+    let room = b.boundary("room", room);
+    let loss = b.n(0.3);
+    b.conductor("plate room", [plate, room], loss);
+    b.load("Q", foil, q);
+    b.temperature("plate", plate);
+    let network = Network::compile(&b.model, &[Symbol::Parameter(0)]).unwrap();
+    let times_s: Vec<f64> = (0..200).map(|row| 60.0 * f64::from(row)).collect();
+    let values = (0..200).map(|row| if row / 5 % 2 == 0 { 2.0 } else { 0.0 }).collect();
+    let columns = vec![InputColumn { input: 0, values, hold: true }];
+    let inputs = InputTable { times_s: times_s.clone(), columns, base: vec![0.0] };
+    let start = vec![293.0; 3];
+    let run = |coarse_derivatives: bool| {
+        let default = TransientOptions::default();
+        let options = TransientOptions {
+            coarse_derivatives,
+            relative_tolerance: 10.0 * default.relative_tolerance,
+            absolute_tolerance_k: 10.0 * default.absolute_tolerance_k,
+            ..default
+        };
+        let initial = InitialState::Temperatures(&start);
+        let request = TransientRequest {
+            sensitivities: true,
+            options,
+            ..TransientRequest::new(network.nominal_parameters(), &inputs, initial, &times_s)
+        };
+        network.solve_transient(&request).unwrap().quantity_tangent
+    };
+    let (exact, coarse) = (run(false), run(true));
+    let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+    let size = norm(&mut exact.iter().copied());
+    let off = norm(&mut exact.iter().zip(&coarse).map(|(a, b)| a - b));
+    assert!(size > 0.0 && off < 0.01 * size, "{off} of {size}");
 }

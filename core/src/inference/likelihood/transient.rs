@@ -277,6 +277,8 @@ impl TransientPart {
         request.temperatures = course.temperatures;
         request.options.relative_tolerance *= course.tolerance;
         request.options.absolute_tolerance_k *= course.tolerance;
+        // What is wanted roughly is wanted so with its derivatives.
+        request.options.coarse_derivatives = course.tolerance > 1.0;
         let limit = likelihood.most_steps.get(self.index).copied();
         request.options.most_steps = limit.unwrap_or(request.options.most_steps);
         network.solve_transient(&request).map_err(|error| match (&error, limit) {

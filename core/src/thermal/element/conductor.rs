@@ -64,6 +64,10 @@ impl Physics for Conductor {
         Some(&mut self.between)
     }
 
+    fn linear_path(&self) -> Option<([usize; 2], ExprId)> {
+        Some((self.between, self.conductance))
+    }
+
     fn conductance(&self, at: &At<'_>) -> Option<f64> {
         Some(at(self.conductance, None))
     }

@@ -36,6 +36,11 @@ pub trait Physics {
     /// How it is drawn.
     fn drawing(&self) -> Drawing;
 
+    /// Ends and conductance, W/K, of a path along which heat goes with the difference of the temperatures.
+    fn linear_path(&self) -> Option<([usize; 2], ExprId)> {
+        None
+    }
+
     /// The nodes that it joins, each with the next; none of an element that heats one.
     fn joined(&self) -> &[usize] {
         &[]

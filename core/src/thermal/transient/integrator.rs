@@ -147,7 +147,9 @@ impl<'a> Integrator<'a> {
             previous_slope: vec![0.0; size],
             previous_step_s: None,
             contraction: 1.0,
-            tangent: request.sensitivities.then(|| Tangent::new(network, equations, request.seeds)),
+            tangent: request
+                .sensitivities
+                .then(|| Tangent::new(network, equations, request.seeds, request.options.coarse_derivatives)),
             stats: TransientStats::default(),
             instant_s: f64::NAN,
             inputs,

@@ -38,6 +38,8 @@ pub struct TransientOptions {
     /// Steps, rejected ones among them, after which the integration gives up; and sooner, where a tenth of them shows that
     /// it would not come to the end.
     pub most_steps: u64,
+    /// Derivatives to a few per cent, by a step of second order in place of one that differentiates every stage.
+    pub coarse_derivatives: bool,
 }
 
 impl Default for TransientOptions {
@@ -50,6 +52,7 @@ impl Default for TransientOptions {
             longest_step_s: f64::INFINITY,
             fixed_step_s: None,
             most_steps: 10_000_000,
+            coarse_derivatives: false,
         }
     }
 }

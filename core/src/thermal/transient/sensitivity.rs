@@ -4,6 +4,9 @@
 //! `(J - C' k - C / (g h)) dY = -dr/dp + dC/dp k - C dB / (g h)`, `dk = (dY - dB) / (g h)`. At the switching of a
 //! thermostat at `t*`, whose function `w` crosses zero, `dt*/dp = -(w_T dT/dp + w_p) / (w_T dT/dt)` and the derivative
 //! jumps by `(dT/dt before - after) dt*/dp`. Thresholds that move in time are taken as resting at the switching.
+//!
+//! Where a few per cent will do, a step has one matrix, that of the mean slopes at its ends, and two solves, by the method of
+//! [`super::linearised`].
 
 use std::ops::Range;
 
@@ -15,6 +18,7 @@ use crate::thermal::newton::HOLD_W_PER_K;
 use super::Transient;
 use super::events::hermite;
 use super::integrator::Integrator;
+use super::linearised::{EARLY, OF_EARLY};
 use super::tableau::{COEFFICIENTS, GAMMA, NODES, STAGES};
 
 /// Derivatives of the state: fields of `unknowns x columns`, so that a step of an elimination takes all columns of a row at
@@ -30,13 +34,27 @@ pub(super) struct Tangent {
     base: Vec<f64>,
     /// Change of the instant of the switching under way, by column.
     shift: Vec<f64>,
+    /// Where steps are coarse: the slopes at the start of the step, and room for those at its end.
+    ends: Option<Box<[Ends; 2]>>,
     /// Rows on which quantities depend, and room for all at an output.
     seen_rows: Vec<usize>,
     seen: Vec<f64>,
 }
 
+/// Slopes of the balances at an end of a step, lists of entries in the order of the equations'.
+struct Ends {
+    /// Derivatives of the balances at fixed temperatures, `unknowns x columns`.
+    heats: Vec<f64>,
+    jacobian: Vec<f64>,
+    capacity: Vec<f64>,
+    /// Slope of each capacity in its temperature.
+    capacity_slope: Vec<f64>,
+    capacity_tangent: Vec<f64>,
+}
+
 impl Tangent {
-    pub fn new(network: &Network, equations: &Equations, seeds: &[Vec<f64>]) -> Self {
+    /// With `is_coarse` its steps are.
+    pub fn new(network: &Network, equations: &Equations, seeds: &[Vec<f64>], is_coarse: bool) -> Self {
         let size = equations.size();
         let symbols = network.differentiate.len();
         let columns = symbols + seeds.len();
@@ -56,6 +74,13 @@ impl Tangent {
         let mut seen_rows: Vec<usize> = equations.quantity_temperature.iter().map(|entry| entry.column).collect();
         seen_rows.sort_unstable();
         seen_rows.dedup();
+        let end = || Ends {
+            heats: vec![0.0; size * columns],
+            jacobian: vec![0.0; equations.jacobian.len()],
+            capacity: vec![0.0; size],
+            capacity_slope: vec![0.0; size],
+            capacity_tangent: vec![0.0; equations.capacity_tangent.len()],
+        };
         Self {
             size,
             symbols,
@@ -63,6 +88,7 @@ impl Tangent {
             slopes: vec![vec![0.0; size * columns]; STAGES],
             base: vec![0.0; size * columns],
             shift: vec![0.0; columns],
+            ends: is_coarse.then(|| Box::new([end(), end()])),
             seen_rows,
             seen: vec![0.0; size * columns],
             values,
@@ -136,6 +162,13 @@ impl Integrator<'_> {
     /// Derivatives through the step just tried.
     pub(super) fn step_tangent(&mut self, step_s: f64) {
         let Some(mut tangent) = self.tangent.take() else { return };
+        if let Some(mut ends) = tangent.ends.take() {
+            self.coarse_step(&mut tangent, &mut ends, step_s);
+            tangent.ends = Some(ends);
+            self.matrix.factored_for_s = None;
+            self.tangent = Some(tangent);
+            return;
+        }
         let implicit = GAMMA * step_s;
         let (size, columns) = (tangent.size, tangent.columns);
         for stage in 1..STAGES {
@@ -193,6 +226,85 @@ impl Integrator<'_> {
         self.tangent = Some(tangent);
     }
 
+    /// Takes the slopes that were evaluated last.
+    fn take_slopes(&self, columns: usize, end: &mut Ends) {
+        let equations = self.equations;
+        end.heats.fill(0.0);
+        Tangent::add(&mut end.heats, columns, &equations.residual_tangent, &self.file, |_| 1.0);
+        for (value, entry) in end.jacobian.iter_mut().zip(&equations.jacobian) {
+            *value = self.file[entry.register.index()];
+        }
+        for (value, entry) in end.capacity_tangent.iter_mut().zip(&equations.capacity_tangent) {
+            *value = self.file[entry.register.index()];
+        }
+        for row in 0..equations.size() {
+            end.capacity[row] = self.capacity(row);
+            end.capacity_slope[row] = equations.capacity_slope[row].map_or(0.0, |register| self.file[register.index()]);
+        }
+    }
+
+    /// Derivatives through the step just tried by the method of two stages of [`super::linearised`]: what acts at fixed temperatures is
+    /// linear over the step. What a capacity takes goes by the mean slope of its temperature: after a jump the slope at the start lasts
+    /// for much less than a step.
+    fn coarse_step(&mut self, tangent: &mut Tangent, ends: &mut [Ends; 2], step_s: f64) {
+        const LAST: usize = STAGES - 1;
+        let (columns, implicit) = (tangent.columns, EARLY * step_s);
+        self.set_instant(self.time_s + step_s);
+        self.evaluate(LAST);
+        self.evaluate_slopes();
+        let mean_slopes: Vec<f64> = (self.stage_values[0].iter().zip(&self.stage_values[LAST]))
+            .map(|(from, to)| (to - from) / step_s)
+            .collect();
+        let [from, to] = ends;
+        self.take_slopes(columns, to);
+        let mean = |from: &[f64], to: &[f64]| -> Vec<f64> { from.iter().zip(to).map(|(a, b)| 0.5 * (a + b)).collect() };
+        let capacity = mean(&from.capacity, &to.capacity);
+        let capacity_slope = mean(&from.capacity_slope, &to.capacity_slope);
+        let capacity_tangent = mean(&from.capacity_tangent, &to.capacity_tangent);
+        let mut stored = vec![0.0; tangent.size * columns];
+        for (entry, value) in self.equations.capacity_tangent.iter().zip(&capacity_tangent) {
+            stored[entry.row * columns + entry.column] += value * mean_slopes[entry.row];
+        }
+        self.linear.load_values(self.equations, &mean(&from.jacobian, &to.jacobian));
+        for row in 0..tangent.size {
+            if self.stores(row) {
+                let rate = capacity_slope[row] * mean_slopes[row];
+                self.linear.add_to_diagonal(row, -(capacity[row] / implicit + rate));
+            }
+        }
+        self.linear.factor();
+        self.stats.factorisations += 1;
+        tangent.base.copy_from_slice(&tangent.values[0]);
+        for share in [EARLY, 1.0] {
+            let value = &mut tangent.values[LAST];
+            for (row, value) in value.chunks_exact_mut(columns.max(1)).enumerate() {
+                let range = row * columns..(row + 1) * columns;
+                let heats = from.heats[range.clone()].iter().zip(&to.heats[range.clone()]);
+                let storage = capacity[row] / implicit;
+                let known = heats.zip(&stored[range.clone()]).zip(&tangent.base[range]);
+                for (value, (((from, to), stored), base)) in value.iter_mut().zip(known) {
+                    *value = stored - (from + share * (to - from)) - storage * base;
+                }
+            }
+            self.linear.solve_columns(value, columns);
+            self.stats.solves += columns as u64;
+            if share < 1.0 {
+                for (base, early) in tangent.base.iter_mut().zip(&*value) {
+                    *base += OF_EARLY * (early - *base);
+                }
+            }
+        }
+        let slopes = &mut tangent.slopes[LAST];
+        for (row, slopes) in slopes.chunks_exact_mut(columns.max(1)).enumerate() {
+            let range = row * columns..(row + 1) * columns;
+            let of_row = tangent.values[LAST][range.clone()].iter().zip(&tangent.base[range]);
+            for (slope, (value, base)) in slopes.iter_mut().zip(of_row) {
+                *slope = if self.stores(row) { (value - base) / implicit } else { 0.0 };
+            }
+        }
+        ends.swap(0, 1);
+    }
+
     /// Derivatives of arithmetic nodes and of the slopes at the present state.
     pub(super) fn restart_tangent(&mut self) {
         let Some(mut tangent) = self.tangent.take() else { return };
@@ -200,6 +312,9 @@ impl Integrator<'_> {
         self.set_instant(self.time_s);
         self.evaluate(0);
         self.evaluate_slopes();
+        if let Some(ends) = &mut tangent.ends {
+            self.take_slopes(columns, &mut ends[0]);
+        }
         self.close_tangent(&mut tangent.values[0], columns);
         let slopes = &mut tangent.slopes[0];
         slopes.fill(0.0);
