@@ -112,6 +112,11 @@ impl Effect {
         self.form.adds.value.curve.is_some()
     }
 
+    /// Whether all that it does is to let sensors follow late.
+    pub fn only_lags(&self) -> bool {
+        self.form.adds.value.given() == ["lag"]
+    }
+
     /// Whether it needs a gas about the hardware.
     pub fn needs_gas(&self) -> bool {
         self.form.medium == Some(Medium::Gas)

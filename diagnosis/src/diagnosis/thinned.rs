@@ -131,7 +131,7 @@ fn one_of_several(last: usize, left: usize) -> Vec<usize> {
 }
 
 /// The last row with a reading to fit.
-fn last_fitted(measurement: &Measurement) -> Option<usize> {
+pub(crate) fn last_fitted(measurement: &Measurement) -> Option<usize> {
     let has_reading =
         |&row: &usize| (0..measurement.sensors.len()).any(|sensor| measurement.reading(row, sensor).is_some());
     measurement.fitted_rows().rev().find(has_reading)

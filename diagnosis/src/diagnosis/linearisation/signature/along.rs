@@ -10,16 +10,19 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::added_node::Added;
 use super::adjoint::Phases;
+use super::probe::share;
 use super::slopes::{Bench, Outputs, Room, Slopes};
 use super::variant::{self, Variant};
 use super::{Base, Found};
 use crate::diagnosis::FitError;
+use crate::diagnosis::error::NoDirection;
 use crate::diagnosis::linearisation::between_rows::BetweenRows;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::inference::likelihood::Course;
 use crate::measurement::{InputTable, lag};
-use crate::thermal::transient::linearised::EARLY;
+use crate::thermal::transient::linearised::{AddedNode, EARLY};
 
 /// Amplitudes that respond together.
 const TOGETHER: usize = 64;
@@ -64,6 +67,69 @@ impl Courses {
         }
     }
 
+    /// The directions of added nodes, a share of each, in coordinates where these stand for the rows. There are no steady phases.
+    pub fn directions_of_nodes(&self, base: &Base<'_>, added: &[Added]) -> Vec<Found> {
+        let nodes: Vec<AddedNode> = added.iter().flat_map(|own| &own.probes).map(|(_, node)| node.clone()).collect();
+        let changes: Vec<Vec<Vec<f64>>> = (self.courses.iter())
+            .map(|course| {
+                let lines = lines(course);
+                nodes.par_chunks(TOGETHER).map(|some| changes_by_nodes(course, &lines, some)).collect()
+            })
+            .collect();
+        let shares: Vec<Vec<f64>> = self.courses.iter().map(shares).collect();
+        let column = |position: usize| -> Result<Vec<f64>, FitError> {
+            if let Some(coordinates) = &self.coordinates {
+                return Ok(self.in_coordinates(coordinates, &changes, nodes.len(), position));
+            }
+            let mut column = Vec::with_capacity(base.rows);
+            column.resize(base.residuals.len(), 0.0);
+            for ((course, shares), changes) in self.courses.iter().zip(&shares).zip(&changes) {
+                let own = OwnChanges::new(changes, nodes.len(), position);
+                draw((course, shares), Some(&own), &|_| None, &mut column);
+            }
+            base.whitening.apply(&mut column)?;
+            column.resize(base.rows, 0.0);
+            Ok(column)
+        };
+        let ends: Vec<usize> = added
+            .iter()
+            .scan(0, |end, own| {
+                *end += own.probes.len();
+                Some(*end)
+            })
+            .collect();
+        let of_candidate = |(own, &end): (&Added, &usize)| {
+            let mut found: Vec<Direction> = Vec::new();
+            for (position, (values, _)) in (end - own.probes.len()..end).zip(&own.probes) {
+                let columns: Vec<f64> = column(position)?;
+                if columns.iter().all(|value| value.is_finite()) && columns.iter().any(|value| *value != 0.0) {
+                    let direction = share(own.candidate, columns, values.clone());
+                    found.push(Direction { coordinates: self.coordinates.clone(), ..direction });
+                }
+            }
+            if found.is_empty() { Err(NoDirection::NoReading.into()) } else { Ok(found) }
+        };
+        added.par_iter().zip(&ends).map(of_candidate).collect()
+    }
+
+    /// What an amplitude of some, by transient, does to the readings of the transients.
+    fn in_coordinates(
+        &self,
+        coordinates: &BetweenRows,
+        changes: &[Vec<Vec<f64>>],
+        all: usize,
+        position: usize,
+    ) -> Vec<f64> {
+        let mut column = vec![0.0; coordinates.dimensions()];
+        for (transient, (course, changes)) in self.courses.iter().zip(changes).enumerate() {
+            let own = OwnChanges::new(changes, all, position);
+            for sensor in 0..course.sensors.len() {
+                coordinates.of_changes(transient, sensor, |place| own.of(course, sensor, place), &mut column);
+            }
+        }
+        column
+    }
+
     fn directions_of(&self, base: &Base<'_>, variants: &[Variant<'_>], directions: &mut [Found]) {
         let mut bench = Bench::new(&base.problem.model);
         let slopes: Vec<Result<Vec<Slopes>, FitError>> =
@@ -79,9 +145,20 @@ impl Courses {
         let forcings: Vec<Forcing> =
             self.courses.iter().map(|course| forcing(course, &program, outputs, &stored, &direct)).collect();
         let steady = self.phases.values(&program, outputs);
+        // Of what adds no heat the temperatures know nothing.
+        let adds_heat = |own: &&&Slopes| !own.heats.is_empty() || !own.capacities.is_empty();
+        let heating: Vec<&Slopes> = all.iter().filter(adds_heat).copied().collect();
+        let mut next = 0;
+        let places: Vec<Option<usize>> = (all.iter())
+            .map(|own| {
+                let place = adds_heat(&own).then_some(next);
+                next += usize::from(place.is_some());
+                place
+            })
+            .collect();
         // On kept rows alone: all rows of all amplitudes at once would be many times what is kept of them.
         let changes: Vec<Vec<Vec<f64>>> = (self.courses.iter().zip(&forcings))
-            .map(|(course, forcing)| all.par_chunks(TOGETHER).map(|some| changes(course, forcing, some)).collect())
+            .map(|(course, forcing)| heating.par_chunks(TOGETHER).map(|some| changes(course, forcing, some)).collect())
             .collect();
         let shares: Vec<Vec<f64>> = self.courses.iter().map(shares).collect();
         let column = |position: usize| {
@@ -90,31 +167,28 @@ impl Courses {
             self.phases.column(base, all[position], &steady, &mut column);
             for (((course, shares), forcing), changes) in self.courses.iter().zip(&shares).zip(&forcings).zip(&changes)
             {
-                draw(
-                    base,
-                    (course, shares),
-                    forcing,
-                    all[position],
-                    &OwnChanges::new(changes, all.len(), position),
-                    &mut column,
-                );
+                let at_fixed_temperatures = |sensor: usize| {
+                    // The course knows the quantities of its network alone, the slopes those of the model.
+                    let of_model = &base.problem.measurements[course.measurement].sensors[sensor];
+                    let output = all[position].of_sensor(&of_model.name, of_model.quantity)?;
+                    forcing.direct.get(&output).map(Vec::as_slice)
+                };
+                let own = places[position].map(|place| OwnChanges::new(changes, heating.len(), place));
+                draw((course, shares), own.as_ref(), &at_fixed_temperatures, &mut column);
             }
             base.whitening.apply(&mut column)?;
             Ok(column)
         };
         let in_coordinates = |coordinates: &BetweenRows, position: usize| {
-            let mut column = vec![0.0; coordinates.dimensions()];
+            let mut column = match places[position] {
+                Some(place) => self.in_coordinates(coordinates, &changes, heating.len(), place),
+                None => vec![0.0; coordinates.dimensions()],
+            };
             if coordinates.has_own_readings(base.residuals.len()) {
                 let mut readings = vec![0.0; base.residuals.len()];
                 self.phases.column(base, all[position], &steady, &mut readings);
                 base.whitening.apply(&mut readings)?;
                 coordinates.of_own_rows(&readings, &mut column);
-            }
-            for (transient, (course, changes)) in self.courses.iter().zip(&changes).enumerate() {
-                let own = OwnChanges::new(changes, all.len(), position);
-                for sensor in 0..course.sensors.len() {
-                    coordinates.of_changes(transient, sensor, |place| own.of(course, sensor, place), &mut column);
-                }
             }
             Ok(column)
         };
@@ -148,6 +222,81 @@ impl Courses {
     }
 }
 
+/// What some added nodes do to the quantities of the sensors of a transient, `sensors x kept rows x nodes`, SI.
+fn changes_by_nodes(course: &Course, lines: &[Vec<[f64; 2]>], nodes: &[AddedNode]) -> Vec<f64> {
+    let (count, kept) = (nodes.len(), course.kept.len());
+    let mut changes = vec![0.0; course.sensors.len() * kept * count];
+    course.linearised.respond_to_nodes(
+        nodes,
+        &|node| course.temperatures[node],
+        &|step, node| lines[step][node],
+        &mut |place, field| observe(course, place, (count, field), &mut changes),
+    );
+    changes
+}
+
+/// By step between kept rows and node the temperatures at the first stage and at the end, K, of the line with the mean and the first
+/// moment over all rows in between.
+fn lines(course: &Course) -> Vec<Vec<[f64; 2]>> {
+    let nodes = course.temperatures.len() / course.rows.max(1);
+    let times_s = &course.inputs.times_s;
+    let of_step = |ends: &[usize]| -> Vec<[f64; 2]> {
+        let mut line = Line::new(nodes, times_s[ends[0]], times_s[ends[1]]);
+        for row in ends[0]..ends[1] {
+            let (left, right) = course.temperatures[row * nodes..(row + 2) * nodes].split_at(nodes);
+            line.add([times_s[row], times_s[row + 1]], left, right);
+        }
+        let (early, late) = line.ends();
+        early.into_iter().zip(late).map(|(early, late)| [early, late]).collect()
+    };
+    course.kept.windows(2).map(of_step).collect()
+}
+
+/// Lines with the mean and the first moment that values have over a step.
+struct Line {
+    from_s: f64,
+    to_s: f64,
+    mean: Vec<f64>,
+    moment: Vec<f64>,
+}
+
+impl Line {
+    fn new(count: usize, from_s: f64, to_s: f64) -> Self {
+        Self { from_s, to_s, mean: vec![0.0; count], moment: vec![0.0; count] }
+    }
+
+    /// Adds a part of the step, over which values are linear.
+    fn add(&mut self, [from_s, to_s]: [f64; 2], left: &[f64], right: &[f64]) {
+        let middle = 0.5 * (self.to_s + self.from_s);
+        let (span, before, after) = (to_s - from_s, from_s - middle, to_s - middle);
+        let sums = self.mean.iter_mut().zip(&mut self.moment);
+        for ((mean, moment), (left, right)) in sums.zip(left.iter().zip(right)) {
+            *mean += 0.5 * span * (left + right);
+            *moment += span * ((before * left + after * right) / 3.0 + (before * right + after * left) / 6.0);
+        }
+    }
+
+    /// Their values at the first stage and at the end of the step.
+    fn ends(self) -> (Vec<f64>, Vec<f64>) {
+        let length = self.to_s - self.from_s;
+        let (mut early, mut late) = (self.mean, self.moment);
+        for (mean, moment) in early.iter_mut().zip(&mut late) {
+            // The line with this mean and this moment about the middle rises by so much over the step.
+            let (level, rise) = (*mean / length, 12.0 * *moment / (length * length));
+            (*mean, *moment) = (level + (EARLY - 0.5) * rise, level + 0.5 * rise);
+        }
+        (early, late)
+    }
+}
+
+/// Writes what temperatures at a kept row, `unknowns x columns`, do to the quantities of the sensors there.
+fn observe(course: &Course, place: usize, (count, field): (usize, &[f64]), changes: &mut [f64]) {
+    for (sensor, own) in course.sensors.iter().enumerate() {
+        let first = (sensor * course.kept.len() + place) * count;
+        course.linearised.observe(place, own.quantity, count, field, &mut changes[first..first + count]);
+    }
+}
+
 /// What some amplitudes do to the quantities of the sensors of a transient, `sensors x kept rows x amplitudes`, SI.
 fn changes(course: &Course, forcing: &Forcing, some: &[&Slopes]) -> Vec<f64> {
     let (count, linearised) = (some.len(), &course.linearised);
@@ -171,12 +320,7 @@ fn changes(course: &Course, forcing: &Forcing, some: &[&Slopes]) -> Vec<f64> {
             add(early, &forcing.early[own.clone()]);
             add(late, &forcing.late[own]);
         },
-        &mut |place, field| {
-            for (sensor, own) in course.sensors.iter().enumerate() {
-                let first = (sensor * kept + place) * count;
-                linearised.observe(place, own.quantity, count, field, &mut changes[first..first + count]);
-            }
-        },
+        &mut |place, field| observe(course, place, (count, field), &mut changes),
     );
     changes
 }
@@ -203,31 +347,33 @@ impl<'a> OwnChanges<'a> {
     }
 }
 
-/// Draws what an amplitude does to the readings of a transient: straight between its changes on kept rows. `shares` says how far
-/// each row lies on the way to the next kept one.
-fn draw(
-    base: &Base<'_>,
+/// Draws what an amplitude does to the readings of a transient: straight between its changes on kept rows, where there are any, with what
+/// it does to those of a sensor at fixed temperatures, by row. `shares` says how far each row lies on the way to the next kept one.
+fn draw<'a>(
     (course, shares): (&Course, &[f64]),
-    forcing: &Forcing,
-    slopes: &Slopes,
-    changes: &OwnChanges<'_>,
+    changes: Option<&OwnChanges<'_>>,
+    at_fixed_temperatures: &dyn Fn(usize) -> Option<&'a [f64]>,
     column: &mut [f64],
 ) {
     let times_s = &course.inputs.times_s[..course.rows];
     let mut values = vec![0.0; course.rows];
     for (sensor, own) in course.sensors.iter().enumerate() {
-        // The course knows the quantities of its network alone, the slopes those of the model.
-        let of_model = &base.problem.measurements[course.measurement].sensors[sensor];
-        let change = |place: usize| changes.of(course, sensor, place);
-        for (place, ends) in course.kept.windows(2).enumerate() {
-            let (from, to) = (change(place), change(place + 1));
-            let (first, last) = (ends[0], ends[1]);
-            for (value, share) in values[first..last].iter_mut().zip(&shares[first..last]) {
-                *value = from + (to - from) * share;
+        let direct = at_fixed_temperatures(sensor);
+        match changes {
+            Some(changes) => {
+                let change = |place: usize| changes.of(course, sensor, place);
+                for (place, ends) in course.kept.windows(2).enumerate() {
+                    let (from, to) = (change(place), change(place + 1));
+                    let (first, last) = (ends[0], ends[1]);
+                    for (value, share) in values[first..last].iter_mut().zip(&shares[first..last]) {
+                        *value = from + (to - from) * share;
+                    }
+                    values[last] = to;
+                }
             }
-            values[last] = to;
+            None if direct.is_none() => continue,
+            None => values.fill(0.0),
         }
-        let direct = slopes.of_sensor(&of_model.name, of_model.quantity).and_then(|output| forcing.direct.get(&output));
         for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
             *value += direct;
         }
@@ -281,8 +427,7 @@ fn forcing(
     };
     let of_step = |room: &mut Room, ends: &[usize]| {
         let (from, to) = (ends[0], ends[1]);
-        let (length, middle) = (times_s[to] - times_s[from], 0.5 * (times_s[to] + times_s[from]));
-        let (mut mean, mut moment) = (vec![0.0; outputs], vec![0.0; outputs]);
+        let mut line = Line::new(outputs, times_s[from], times_s[to]);
         let (mut left, mut right) = (vec![0.0; outputs], vec![0.0; outputs]);
         for row in from..to {
             value(room, row, false, &mut left);
@@ -293,21 +438,9 @@ fn forcing(
                 left[output] *= -rate;
                 right[output] *= -rate;
             }
-            let (before, after) = (times_s[row] - middle, times_s[row + 1] - middle);
-            for output in 0..outputs {
-                let (left, right) = (left[output], right[output]);
-                mean[output] += 0.5 * span * (left + right);
-                moment[output] +=
-                    span * ((before * left + after * right) / 3.0 + (before * right + after * left) / 6.0);
-            }
+            line.add([times_s[row], times_s[row + 1]], &left, &right);
         }
-        let (mut early, mut late) = (mean, moment);
-        for (mean, moment) in early.iter_mut().zip(&mut late) {
-            // The line with this mean and this moment about the middle rises by so much over the step.
-            let (level, rise) = (*mean / length, 12.0 * *moment / (length * length));
-            (*mean, *moment) = (level + (EARLY - 0.5) * rise, level + 0.5 * rise);
-        }
-        (early, late)
+        line.ends()
     };
     let steps: Vec<(Vec<f64>, Vec<f64>)> = course
         .kept

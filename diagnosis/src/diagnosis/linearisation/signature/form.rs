@@ -25,6 +25,11 @@ pub enum Form<'a> {
         /// The effect.
         effect: &'a Effect,
     },
+    /// By predictions that are read late.
+    Lag {
+        /// The effect.
+        effect: &'a Effect,
+    },
     /// By exchanged predictions.
     Swap,
     /// As the parameter of this index, whose prior may be too narrow.
@@ -58,6 +63,11 @@ impl Forms {
         self.steady && !self.transient
     }
 
+    /// Whether steady phases have readings.
+    pub fn has_steady_phases(&self) -> bool {
+        self.steady
+    }
+
     /// The form of a candidate.
     pub fn of(&self, problem: &Problem, position: usize) -> Form<'_> {
         let candidate = &problem.candidates[position];
@@ -73,6 +83,9 @@ impl Forms {
         }
         if effect.exchanges_channels() {
             return Form::Swap;
+        }
+        if effect.only_lags() {
+            return Form::Lag { effect };
         }
         if self.smooth[&candidate.effect] && !gives_storage(problem, effect, candidate) {
             Form::Smooth { effect }

@@ -4,15 +4,17 @@
 //! has derivatives: with steady phases alone exact ones by adjoints (`adjoint`), with transients as sensitivities of a model
 //! that holds many effects with amplitude 0 (`extended`), over long ones as responses of the network linearised along its course
 //! (`along`) or, where that cannot be had, on fewer rows (`coarse`); what an amplitude does at fixed temperatures is `slopes`. One that is not smooth, such as a hidden node, is tried at finite
-//! values (`probe`); exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
+//! values (`probe`), over long records as a node that responds along the course (`added_node`); late sensors read the predictions late (`lag`), exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
 //! reason (`form`: which of these an effect is, and why not).
 
+pub mod added_node;
 mod adjoint;
 pub mod along;
 mod blank;
 mod coarse;
 pub mod extended;
 pub mod form;
+mod lag;
 mod parameter;
 mod probe;
 mod slopes;
@@ -33,6 +35,7 @@ use crate::inference::estimate::optimise::Objective;
 use crate::inference::likelihood::{Likelihood, Whitening};
 use crate::inference::target::{LeastSquares, Rejected, Target};
 use crate::measurement::Rows;
+use added_node::Added;
 use adjoint::Phases;
 use along::Courses;
 use coarse::Coarse;
@@ -211,7 +214,7 @@ impl<'a> Signatures<'a> {
         let problem = base.problem;
         let coarse_base = coarse.as_ref().and_then(|coarse| coarse.base().ok());
         let fewer_rows = coarse.as_ref().zip(coarse_base.as_ref());
-        let mut swaps = swap::Swaps::default();
+        let (mut swaps, mut lags) = (swap::Swaps::default(), lag::Lags::default());
         let mut parameters = parameter::Parameters::default();
         let mut unseen = Vec::new();
         let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
@@ -223,23 +226,31 @@ impl<'a> Signatures<'a> {
                 Some(fewer_rows) => exact_on_fewer_rows(base, fewer_rows, courses.as_ref(), &smooth),
                 None => exact(base, phases.as_ref(), &smooth),
             };
-            let probe = |(&position, form): (&usize, &Form<'_>)| match (form, fewer_rows) {
+            let added = self.added_nodes(block, &forms);
+            let probe = |((&position, form), added): ((&usize, &Form<'_>), &Option<Added>)| match (form, fewer_rows) {
+                _ if added.is_some() => None,
                 (Form::Probe { effect }, Some((coarse, coarse_base))) if coarse.takes(position) => {
                     Some(coarse.on_all_rows(base, probe::directions(coarse_base, position, effect)))
                 }
                 (Form::Probe { effect }, _) => Some(probe::directions(base, position, effect)),
                 _ => None,
             };
-            let probed = || block.par_iter().zip(&forms).filter_map(probe).collect::<Vec<Found>>();
+            let probed = || block.par_iter().zip(&forms).zip(&added).filter_map(probe).collect::<Vec<Found>>();
             let (exact, probed) = rayon::join(exact, probed);
+            let is_added: Vec<bool> = added.iter().map(Option::is_some).collect();
+            let added: Vec<Added> = added.into_iter().flatten().collect();
+            let of_nodes = courses.as_ref().map(|courses| courses.directions_of_nodes(base, &added));
+            let mut of_nodes = of_nodes.into_iter().flatten();
             let (mut exact, mut probed) = (exact.into_iter(), probed.into_iter());
             let mut found = Vec::new();
-            for (&position, form) in block.iter().zip(&forms) {
+            for ((&position, form), is_added) in block.iter().zip(&forms).zip(is_added) {
                 let candidate_directions = match form {
                     Form::Unseen(reason) => Err((*reason).into()),
+                    Form::Probe { .. } if is_added => of_nodes.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                     Form::Smooth { .. } => exact.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                     Form::Probe { .. } => probed.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                     Form::Swap => swaps.direction(base, position),
+                    Form::Lag { effect } => lags.directions(base, position, effect),
                     Form::Parameter(index) => parameters.direction(base, position, *index),
                 };
                 match candidate_directions {
@@ -250,6 +261,21 @@ impl<'a> Signatures<'a> {
             give(found);
         }
         Ok(unseen)
+    }
+}
+
+impl Signatures<'_> {
+    /// By candidate of a block what its probes add, where that is a node whose responses are found along the courses.
+    fn added_nodes(&self, block: &[usize], forms: &[Form<'_>]) -> Vec<Option<Added>> {
+        let is_found = |position: usize| {
+            let is_shown = self.coarse.as_ref().is_some_and(|coarse| coarse.takes(position));
+            is_shown && self.courses.is_some() && !self.forms.has_steady_phases()
+        };
+        let of = |(&position, form): (&usize, &Form<'_>)| match form {
+            Form::Probe { effect } if is_found(position) => added_node::added(&self.base, position, effect),
+            _ => None,
+        };
+        block.par_iter().zip(forms).map(of).collect()
     }
 }
 

@@ -1,11 +1,12 @@
 //! Effects that are not smooth at amplitude 0, by finite values.
 
 use super::{Base, Found};
+use crate::diagnosis::FitError;
 use crate::diagnosis::error::NoDirection;
 use crate::diagnosis::hypothesis::Hypothesis;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::effect::form::Sign;
-use crate::effect::{Effect, EffectParameter};
+use crate::effect::{Applied, Effect, EffectParameter};
 use crate::inference::likelihood::Likelihood;
 use crate::inference::target::{LeastSquares, Target};
 use crate::measurement::unknown::start_name;
@@ -18,24 +19,54 @@ const MOST_PROBES: usize = 9;
 /// How many times as large probes are where the model is wrong everywhere.
 const FAR: f64 = 30.0;
 
+/// A model with an effect, and the values at which this is tried.
+pub(super) struct Probes {
+    /// The model with the effect.
+    pub hypothesis: Hypothesis,
+    /// What the effect added.
+    pub applied: Applied,
+    /// Values of its parameters, SI.
+    pub values: Vec<Vec<f64>>,
+}
+
+impl Probes {
+    /// Those of a candidate.
+    pub fn new(base: &Base<'_>, position: usize, effect: &Effect) -> Result<Self, FitError> {
+        let problem = base.problem;
+        let candidate = &problem.candidates[position];
+        let written = effect.parameters(&problem.model, &candidate.bound);
+        let mut hypothesis = problem.hypothesis(&[], 1.0)?;
+        let parameters: Vec<EffectParameter> = written
+            .iter()
+            .map(|parameter| EffectParameter {
+                // Any prior with spread makes an unknown of a parameter. At amplitude 0 the covariance is that without it.
+                prior: Distribution::Uniform { lower: -1.0, upper: 1.0 },
+                nominal: if parameter.amplitude { 0.0 } else { parameter.nominal },
+                ..parameter.clone()
+            })
+            .collect();
+        let applied = hypothesis.add_as(problem, candidate, effect, &candidate.id, parameters)?;
+        let near = probes(&written);
+        let mut values = near.clone();
+        if problem.is_misspecified {
+            // There a part may be far larger than what is plausible, and near ones may not lead to it.
+            let far = |probe: &Vec<f64>| -> Vec<f64> {
+                let of = |(value, parameter): (&f64, &EffectParameter)| {
+                    if parameter.amplitude { FAR * value } else { *value }
+                };
+                probe.iter().zip(&written).map(of).collect()
+            };
+            values.extend(near.iter().map(far));
+        }
+        Ok(Self { hypothesis, applied, values })
+    }
+}
+
 /// The directions of an effect's probes.
 pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> Found {
-    let problem = base.problem;
-    let candidate = &problem.candidates[position];
-    let written = effect.parameters(&problem.model, &candidate.bound);
-    let mut hypothesis = problem.hypothesis(&[], 1.0)?;
-    let parameters: Vec<EffectParameter> = written
-        .iter()
-        .map(|parameter| EffectParameter {
-            // Any prior with spread makes an unknown of a parameter. At amplitude 0 the covariance is that without it.
-            prior: Distribution::Uniform { lower: -1.0, upper: 1.0 },
-            nominal: if parameter.amplitude { 0.0 } else { parameter.nominal },
-            ..parameter.clone()
-        })
-        .collect();
-    let applied = hypothesis.add_as(problem, candidate, effect, &candidate.id, parameters)?;
+    let Probes { mut hypothesis, applied, values } = Probes::new(base, position, effect)?;
     begin_as_fitted(base, &mut hypothesis, &applied.nodes);
-    let mut likelihood = hypothesis.likelihood(problem)?;
+    let mut likelihood = hypothesis.likelihood(base.problem)?;
     if likelihood.residual_count() != base.residuals.len() {
         return Err(NoDirection::ChangesMeasurement.into());
     }
@@ -44,18 +75,7 @@ pub(super) fn directions(base: &Base<'_>, position: usize, effect: &Effect) -> F
     let mut memory = likelihood.workspace();
     let mut probe_directions: Vec<Direction> = Vec::new();
     let mut solved = false;
-    let near = probes(&written);
-    let mut all = near.clone();
-    if problem.is_misspecified {
-        // There a part may be far larger than what is plausible, and near ones may not lead to it.
-        let far = |probe: &Vec<f64>| -> Vec<f64> {
-            let of =
-                |(value, parameter): (&f64, &EffectParameter)| if parameter.amplitude { FAR * value } else { *value };
-            probe.iter().zip(&written).map(of).collect()
-        };
-        all.extend(near.iter().map(far));
-    }
-    for probe in all {
+    for probe in values {
         unknowns[model_parameters..model_parameters + probe.len()].copy_from_slice(&probe);
         let Some(residuals) = evaluate(&mut likelihood, &unknowns, &mut memory) else { continue };
         solved = true;
