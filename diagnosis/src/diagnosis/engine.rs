@@ -18,7 +18,7 @@ use crate::diagnosis::noise::model_error::ModelError;
 use crate::diagnosis::odds::posterior_odds::posterior_odds;
 use crate::diagnosis::places::{Choice, Places};
 use crate::diagnosis::problem::FittedReading;
-use crate::diagnosis::screening::screen::{FamilySummary, Lead, Screening};
+use crate::diagnosis::screening::screen::{FamilySummary, Foremost, Lead, Screening};
 use crate::diagnosis::{Problem, Refit, Settings};
 use crate::effect::Candidate;
 use crate::inference::prior::joint_prior::JointPrior;
@@ -212,6 +212,11 @@ impl State {
         self.noise.iter().any(|one| one.model_error.is_some())
     }
 
+    /// Whether nothing was screened yet with the noise that was estimated.
+    fn is_unscreened(&self) -> bool {
+        self.remainders.is_empty()
+    }
+
     /// Whether what a set leaves was tested and went into orders.
     pub(crate) fn was_extended(&self, place: usize) -> bool {
         self.remainders.iter().any(|remainder| remainder.effects == self.refits[place].effects)
@@ -368,8 +373,22 @@ impl Diagnosis {
         let most_steps = self.most_steps(&declared)?;
         let at_first = self.noise_at_first(&declared);
         let at_first_noise = self.with_noise(&at_first, &most_steps);
-        let mut noise = self.estimate_noise(&at_first_noise, &declared, true)?;
+        let (mut noise, foremost) = self.estimate_noise(&at_first_noise, &declared, true)?;
         noise.extend(at_first);
+        if let Some(Foremost { leads, pairs }) =
+            foremost.filter(|_| !self.with_noise(&noise, &most_steps).is_misspecified)
+        {
+            // Of a long record all directions take their time: with another noise they are found once.
+            let baseline = self.fitted_with(&declared, &noise, &most_steps)?;
+            let family = FamilySummary { p: 0.0, tests: Vec::new() };
+            let screening = Screening { leads, pairs, family, ..Screening::default() };
+            let mut state =
+                State { is_pilot: true, ..self.begun(noise.clone(), most_steps.clone(), baseline, screening) };
+            self.order_pilots(&mut state);
+            if !state.pending.is_empty() {
+                return Ok(state);
+            }
+        }
         let (problem, mut state) = self.screened_with(&declared, noise, most_steps)?;
         // Steady phases are fitted in no time.
         state.is_pilot = !state.noise.is_empty() && !state.most_steps.is_empty() && !problem.is_misspecified;
@@ -413,14 +432,24 @@ impl Diagnosis {
         most_steps: Vec<u64>,
     ) -> Result<(Problem, State), FitError> {
         let problem = self.with_noise(&noise, &most_steps);
-        let mut baseline = fitted.clone();
-        if !noise.is_empty() {
-            let begin = Begin { starts: vec![baseline.by_name()], from_prior: 2, scale: 1.0, ..Begin::default() };
-            baseline = problem.refit(&[], &begin, &self.key)?;
-        }
+        let baseline = self.fitted_with(fitted, &noise, &most_steps)?;
         let screening = self.screen_problem(&problem, &baseline, true)?;
         let remainders = vec![Remainder { effects: Vec::new(), p: screening.family.p, leads: Vec::new() }];
-        let state = State {
+        Ok((problem, State { remainders, ..self.begun(noise, most_steps, baseline, screening) }))
+    }
+
+    /// The baseline model fitted with estimated noise, from another fit of it.
+    fn fitted_with(&self, fitted: &Refit, noise: &[SensorNoise], most_steps: &[u64]) -> Result<Refit, FitError> {
+        if noise.is_empty() {
+            return Ok(fitted.clone());
+        }
+        let begin = Begin { starts: vec![fitted.by_name()], from_prior: 2, scale: 1.0, ..Begin::default() };
+        self.with_noise(noise, most_steps).refit(&[], &begin, &self.key)
+    }
+
+    /// What is known before anything else than the baseline model is fitted.
+    fn begun(&self, noise: Vec<SensorNoise>, most_steps: Vec<u64>, baseline: Refit, screening: Screening) -> State {
+        State {
             rounds: 0,
             aside: 0,
             without_members: 0,
@@ -432,7 +461,7 @@ impl Diagnosis {
             stated_family: None,
             refits: vec![baseline],
             pending: Vec::new(),
-            remainders,
+            remainders: Vec::new(),
             at_levels: Vec::new(),
             unfitted: Vec::new(),
             failed: Vec::new(),
@@ -440,8 +469,7 @@ impl Diagnosis {
             excursions: Vec::new(),
             places: self.problem.places.clone(),
             warnings: Vec::new(),
-        };
-        Ok((problem, state))
+        }
     }
 
     /// Orders the sets that are fitted first: those that screening found, and those that it may have missed.
@@ -586,8 +614,43 @@ impl Diagnosis {
     }
 
     /// Estimates the noise anew beside the best fitted effect or pair; before, it was estimated beside a linearised one. Where it
-    /// changes, everything is screened and fitted again. `None` where it stays.
+    /// changes, everything is screened and fitted again, as where nothing was screened yet. `None` where it stays.
     pub(crate) fn estimate_noise_again(&self, state: &State) -> Result<Option<State>, FitError> {
+        let (noise, failure) = match self.noise_beside_best(state) {
+            Ok(Some(noise)) => (Some(noise), None),
+            // Where nothing was screened yet, all is to come.
+            Ok(None) if state.is_unscreened() => (None, None),
+            Err(why) if state.is_unscreened() => (None, Some(why)),
+            other => return other.map(|_| None),
+        };
+        let is_changed = noise.is_some();
+        let noise = noise.unwrap_or_else(|| state.noise.clone());
+        let mut next = self.screen_with(&state.refits[0], noise, state.most_steps.clone())?;
+        // After a pilot it is estimated once more, beside the best of all sets.
+        next.rounds = if state.is_pilot { 0 } else { state.rounds };
+        let warnings = std::mem::replace(&mut next.warnings, state.warnings.clone());
+        warnings.into_iter().for_each(|why| next.warn(why));
+        failure.into_iter().for_each(|why| next.warn(why));
+        let failed = std::mem::replace(&mut next.failed, state.failed.clone());
+        next.failed.extend(failed);
+        let fitted = &state.refits[1..];
+        let is_fitted = |request: &FitRequest| fitted.iter().any(|refit| refit.effects == request.effects);
+        if !is_changed && !next.pending.iter().all(is_fitted) {
+            next.pending.retain(|request| !is_fitted(request));
+            next.refits.extend(fitted.iter().cloned());
+            return Ok(Some(next));
+        }
+        for refit in fitted {
+            let request = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
+            if !next.is_known(&request.effects) {
+                next.pending.push(request);
+            }
+        }
+        Ok(Some(next))
+    }
+
+    /// The noise beside the best fitted effect or pair, where it is another one.
+    fn noise_beside_best(&self, state: &State) -> Result<Option<Vec<SensorNoise>>, FitError> {
         let weights = posterior_odds(&self.problem, &state.refits, None);
         // An unknown function, or a third effect, could take noise for physics.
         let plain = |place: &usize| {
@@ -600,24 +663,10 @@ impl Diagnosis {
         let best = &state.refits[best];
         let fixed: Vec<SensorNoise> = state.noise.iter().filter(|one| self.is_at_first(one)).copied().collect();
         let with = self.with_noise(&fixed, &state.most_steps).with(best)?;
-        let mut noise = self.estimate_noise(&with, best, false)?;
+        let (mut noise, _) = self.estimate_noise(&with, best, false)?;
         noise.extend(fixed);
         let changed = noise.iter().zip(&state.noise).any(|(new, old)| new.noise.differs(&old.noise));
-        if !changed {
-            return Ok(None);
-        }
-        let mut next = self.screen_with(&state.refits[0], noise, state.most_steps.clone())?;
-        // After a pilot it is estimated once more, beside the best of all sets.
-        next.rounds = if state.is_pilot { 0 } else { state.rounds };
-        next.warnings.clone_from(&state.warnings);
-        next.failed.clone_from(&state.failed);
-        for refit in &state.refits[1..] {
-            let request = FitRequest { effects: refit.effects.clone(), starts: vec![refit.by_name()], from: 0 };
-            if !next.is_known(&request.effects) {
-                next.pending.push(request);
-            }
-        }
-        Ok(Some(next))
+        Ok(changed.then_some(noise))
     }
 
     /// Screens what a fitted set leaves.

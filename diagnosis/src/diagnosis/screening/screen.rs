@@ -79,7 +79,7 @@ pub struct FamilyTest {
 }
 
 /// The tests together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FamilySummary {
     /// Family-wise p.
     pub p: f64,
@@ -87,8 +87,14 @@ pub struct FamilySummary {
     pub tests: Vec<FamilyTest>,
 }
 
+/// The effects and the pairs that explain most, the best first.
+pub(crate) struct Foremost {
+    pub leads: Vec<Lead>,
+    pub pairs: Vec<[Lead; 2]>,
+}
+
 /// What screening found.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Screening {
     /// Single effects, best first.
     pub leads: Vec<Lead>,
@@ -103,6 +109,9 @@ pub struct Screening {
     /// What would have been seen: position, amplitude and unit.
     pub detectable: Vec<(usize, f64, String)>,
 }
+
+/// A pair of directions by their positions, with amplitudes and the fall of the sum of squares.
+type BestPair = ([usize; 2], [f64; 2], f64);
 
 /// What a direction would explain.
 #[derive(Clone)]
@@ -186,12 +195,13 @@ impl<'a> Scored<'a> {
         direction.amplitudes() * self.linear.rows
     }
 
-    /// Scores all wanted directions at a fit. Where they are too many to be held, only the best are kept.
+    /// Scores all wanted directions at a fit, of the candidates that are tried. Where they are too many to be held, only the best are kept.
     fn best<'b>(
         problem: &'b Problem,
         likelihood: &'b Likelihood,
         unknowns: &'b [f64],
         linear: &'a Linear,
+        is_tried: impl Fn(usize) -> bool,
         wanted: impl Fn(&Direction) -> bool,
     ) -> Result<(Self, Vec<signature::Unseen>, Signatures<'b>), FitError> {
         let signatures = Signatures::new(problem, likelihood, unknowns)?;
@@ -211,8 +221,8 @@ impl<'a> Scored<'a> {
         if late.len() <= MOST_PAIRS_PROBED {
             late.clear();
         }
-        let first: Vec<usize> =
-            (0..problem.candidates.len()).filter(|place| late.binary_search(place).is_err()).collect();
+        let is_first = |place: &usize| late.binary_search(place).is_err() && is_tried(*place);
+        let first: Vec<usize> = (0..problem.candidates.len()).filter(is_first).collect();
         let mut unseen = find(&mut scored, &first)?;
         if !late.is_empty() {
             let all = late.len();
@@ -305,7 +315,7 @@ impl<'a> Scored<'a> {
     }
 
     /// The best pairs of different effects, of the `among` best directions of one column: positions and amplitudes.
-    fn pairs(&self, among: usize, count: usize) -> Vec<([usize; 2], [f64; 2], f64)> {
+    fn pairs(&self, among: usize, count: usize) -> Vec<BestPair> {
         let single = self.ranked().into_iter().filter(|&d| self.directions[d].amplitudes() == 1);
         let mut chosen: Vec<usize> = single.take(among).collect();
         chosen.sort_unstable();
@@ -330,7 +340,8 @@ impl Diagnosis {
     pub(crate) fn screen_problem(&self, problem: &Problem, refit: &Refit, whole: bool) -> Result<Screening, FitError> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
-        let (scored, unseen, signatures) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
+        let (scored, unseen, signatures) =
+            Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true, |_| true)?;
         let (groups, names) = groups(problem, &likelihood);
         let estimated = problem.noise_freedom;
         let extras = Extras { groups: &groups, bounds: true, priors: true, omnibus: estimated.is_none() };
@@ -366,19 +377,14 @@ impl Diagnosis {
         let singles = scored.directions.iter().filter(|direction| direction.amplitudes() == 1).count() as u64;
         screening.pairs_screened = singles * singles.saturating_sub(1) / 2;
         let mut partners: BTreeMap<usize, usize> = BTreeMap::new();
-        for ([a, b], amplitudes, fall) in scored.pairs(MOST_IN_PAIRS, MOST_PAIRS) {
+        for pair in scored.pairs(MOST_IN_PAIRS, MOST_PAIRS) {
             // One effect that stands out would fill the list with whatever goes beside it.
-            let ends = [a, b].map(|d| scored.directions[d].candidate);
+            let ends = pair.0.map(|d| scored.directions[d].candidate);
             if ends.iter().any(|candidate| partners.get(candidate).copied().unwrap_or(0) >= MOST_PARTNERS) {
                 continue;
             }
             ends.iter().for_each(|candidate| *partners.entry(*candidate).or_default() += 1);
-            let lead = |d: usize, amplitude: f64| Lead {
-                candidate: scored.directions[d].candidate,
-                fall,
-                starts: vec![self.start(problem, &scored.directions[d], &[amplitude])],
-            };
-            screening.pairs.push([lead(a, amplitudes[0]), lead(b, amplitudes[1])]);
+            screening.pairs.push(self.pair(problem, &scored, pair));
         }
         let mut is_seen: BTreeMap<usize, bool> = BTreeMap::new();
         for (direction, score) in scored.directions.iter().zip(&scored.scores) {
@@ -419,7 +425,7 @@ impl Diagnosis {
     pub(crate) fn leads_beside(&self, problem: &Problem, refit: &Refit) -> Result<Vec<Lead>, FitError> {
         let likelihood = self.likelihood(problem)?;
         let linear = signature::linearise(&likelihood, &refit.unknowns)?;
-        let (scored, _, signatures) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true)?;
+        let (scored, _, signatures) = Scored::best(problem, &likelihood, &refit.unknowns, &linear, |_| true, |_| true)?;
         self.leads(problem, &scored, signatures)
     }
 
@@ -456,6 +462,11 @@ impl Diagnosis {
             order.push(better.unwrap_or_else(|| own.clone()));
         }
         sort_by(&mut order, |a, b| b.fall.total_cmp(&a.fall));
+        Ok(self.in_order(problem, order))
+    }
+
+    /// The effects of directions in the order of these, each with starts from its first ones.
+    fn in_order(&self, problem: &Problem, order: Vec<Explains>) -> Vec<Lead> {
         let mut leads: Vec<Lead> = Vec::new();
         for Explains { fall, direction, amplitudes } in order {
             let start = || self.start(problem, &direction, &amplitudes);
@@ -467,7 +478,17 @@ impl Diagnosis {
                 None => {}
             }
         }
-        Ok(leads)
+        leads
+    }
+
+    /// A pair of directions with their amplitudes as a pair of effects.
+    fn pair(&self, problem: &Problem, scored: &Scored<'_>, (ends, amplitudes, fall): BestPair) -> [Lead; 2] {
+        let lead = |d: usize, amplitude: f64| Lead {
+            candidate: scored.directions[d].candidate,
+            fall,
+            starts: vec![self.start(problem, &scored.directions[d], &[amplitude])],
+        };
+        [lead(ends[0], amplitudes[0]), lead(ends[1], amplitudes[1])]
     }
 
     /// Values of an effect's parameters at amplitudes of one of its directions, within the priors.
@@ -536,13 +557,13 @@ impl Diagnosis {
     }
 
     /// Noise of the sensors whose noise is not wholly known, from a fit of the problem; beside the pair of effects that
-    /// explains most, or of the fit alone.
+    /// explains most, or of the fit alone. With what explains most beside it, of a record that is long.
     pub(crate) fn estimate_noise(
         &self,
         problem: &Problem,
         declared: &Refit,
         beside_pair: bool,
-    ) -> Result<Vec<SensorNoise>, FitError> {
+    ) -> Result<(Vec<SensorNoise>, Option<Foremost>), FitError> {
         let mut bare = problem.clone();
         let mut open = Vec::new();
         for (measurement, entry) in bare.measurements.iter_mut().enumerate() {
@@ -556,20 +577,24 @@ impl Diagnosis {
             }
         }
         if open.is_empty() {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), None));
         }
         let likelihood = self.likelihood(&bare)?;
         let known = declared.by_name();
         let unknowns: Vec<f64> =
             likelihood.unknowns().names.iter().map(|name| known.get(name).copied().unwrap_or_default()).collect();
         let linear = signature::linearise(&likelihood, &unknowns)?;
-        let directions = if beside_pair {
-            // A curve beside which the noise is estimated could take the noise for physics.
-            let single = |direction: &Direction| direction.amplitudes() == 1;
-            Scored::best(&bare, &likelihood, &unknowns, &linear, single)?.0.directions
+        // A curve beside which the noise is estimated could take the noise for physics.
+        let is_long = problem.has_long_transients();
+        let is_tried = |candidate: usize| !(is_long && self.is_unknown_function(candidate));
+        let is_single = |direction: &Direction| direction.amplitudes() == 1;
+        let wanted = |direction: &Direction| is_long || is_single(direction);
+        let all = if beside_pair {
+            Scored::best(&bare, &likelihood, &unknowns, &linear, is_tried, wanted)?.0.directions
         } else {
             Vec::new()
         };
+        let directions: Vec<&Direction> = all.iter().filter(|direction| is_single(direction)).collect();
         let series: Vec<estimate::SensorRows> =
             open.iter().map(|&(measurement, sensor)| sensor_rows(&bare, &likelihood, measurement, sensor)).collect();
         // To begin with, white: as stated, or as large as the residuals.
@@ -607,38 +632,28 @@ impl Diagnosis {
         for (one, noise) in settled.iter_mut().zip(estimate::where_nothing_is_fitted(&names, &fitted, &own)) {
             one.noise = noise;
         }
-        Ok(settled)
+        let foremost = (beside_pair && is_long).then(|| {
+            let white = whitened(&linear, &series, &settled);
+            let scored = scored_anew(&white, &all.iter().collect::<Vec<_>>(), &series, &settled);
+            let of = |d: usize| Explains::new(&scored.directions[d], &scored.scores[d]);
+            let leads = self.in_order(problem, scored.ranked().into_iter().map(of).collect());
+            let pairs = scored.pairs(MOST_BESIDE_NOISE, MOST_PAIRS).into_iter();
+            Foremost { leads, pairs: pairs.map(|pair| self.pair(problem, &scored, pair)).collect() }
+        });
+        Ok((settled, foremost))
     }
 
     /// What the parameters and the best pair of effects take of the readings of sensors with unit noise, and leave, SI.
     fn fit_of_best_pair(
         &self,
         linear: &Linear,
-        directions: &[Direction],
+        directions: &[&Direction],
         series: &[estimate::SensorRows],
         settled: &[SensorNoise],
     ) -> LinearFit {
-        let filters = estimate::whitening(series, settled.iter().map(|one| &one.noise));
-        let whiten = |column: &mut [f64]| estimate::whiten(series, &filters, column);
-        let mut white = linear.clone();
-        whiten(&mut white.residuals);
+        let white = whitened(linear, series, settled);
+        let scored = scored_anew(&white, directions, series, settled);
         let n = linear.parameters();
-        for parameter in 0..n {
-            let mut column: Vec<f64> = (0..linear.rows).map(|row| linear.jacobian[row * n + parameter]).collect();
-            whiten(&mut column);
-            for (row, value) in column.into_iter().enumerate() {
-                white.jacobian[row * n + parameter] = value;
-            }
-        }
-        let mut scored = Scored::new(&white);
-        for direction in directions {
-            let mut own = direction.clone();
-            whiten(&mut own.columns);
-            scored.take(vec![own]);
-            if scored.directions.len() >= 2 * MOST_BESIDE_NOISE {
-                scored.keep(MOST_BESIDE_NOISE * linear.rows);
-            }
-        }
         let best: Vec<usize> = match scored.pairs(MOST_BESIDE_NOISE, 1).first() {
             Some((pair, _, _)) => pair.to_vec(),
             None => scored.ranked().into_iter().take(1).collect(),
@@ -673,11 +688,49 @@ impl Diagnosis {
                     && other.shape == own.shape
                     && other.probe == own.probe
             };
-            let Some(original) = directions.iter().find(is_own) else { continue };
+            let Some(original) = directions.iter().copied().find(is_own) else { continue };
             take(original.column(0).to_vec(), fit.x[n + position], fit.places[n + position]);
         }
         LinearFit { columns, errors }
     }
+}
+
+/// A linear problem of unit noise, whitened.
+fn whitened(linear: &Linear, series: &[estimate::SensorRows], settled: &[SensorNoise]) -> Linear {
+    let filters = estimate::whitening(series, settled.iter().map(|one| &one.noise));
+    let mut white = linear.clone();
+    estimate::whiten(series, &filters, &mut white.residuals);
+    let n = linear.parameters();
+    for parameter in 0..n {
+        let mut column: Vec<f64> = (0..linear.rows).map(|row| linear.jacobian[row * n + parameter]).collect();
+        estimate::whiten(series, &filters, &mut column);
+        for (row, value) in column.into_iter().enumerate() {
+            white.jacobian[row * n + parameter] = value;
+        }
+    }
+    white
+}
+
+/// Directions of unit noise scored with another one, in which the problem is whitened; the best are kept.
+fn scored_anew<'a>(
+    white: &'a Linear,
+    directions: &[&Direction],
+    series: &[estimate::SensorRows],
+    settled: &[SensorNoise],
+) -> Scored<'a> {
+    let filters = estimate::whitening(series, settled.iter().map(|one| &one.noise));
+    let mut scored = Scored::new(white);
+    for &direction in directions {
+        let mut own = direction.clone();
+        for column in own.columns.chunks_exact_mut(white.rows.max(1)) {
+            estimate::whiten(series, &filters, column);
+        }
+        scored.take(vec![own]);
+        if scored.directions.len() >= 2 * MOST_BESIDE_NOISE {
+            scored.keep(MOST_BESIDE_NOISE * white.rows);
+        }
+    }
+    scored
 }
 
 /// Rows of the sensors and of the steady phases, with their names.
