@@ -30,7 +30,7 @@ fn rows_read(measurement: &Measurement) -> usize {
     last_fitted(measurement).map_or(0, |last| last + 1)
 }
 
-/// The same with all these rows fitted, and sensors without lags.
+/// A blank measurement of which all rows up to the last that is read are fitted, and whose sensors have no lags.
 pub(super) fn blank_truth(measurement: &Measurement) -> Measurement {
     let read = rows_read(measurement);
     let mut blank = blank(measurement);

@@ -262,9 +262,7 @@ impl<'a> Signatures<'a> {
         }
         Ok(unseen)
     }
-}
 
-impl Signatures<'_> {
     /// By candidate of a block what its probes add, where that is a node whose responses are found along the courses.
     fn added_nodes(&self, block: &[usize], forms: &[Form<'_>]) -> Vec<Option<Added>> {
         let is_found = |position: usize| {
