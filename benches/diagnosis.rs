@@ -120,6 +120,7 @@ fn panel() -> Problem {
         sigma: Some(Uncertain::Known(0.3)),
         bias: None,
         lag_s: None,
+        behind_s: None,
         correlation_time_s: None,
         white: None,
     });

@@ -30,6 +30,7 @@ fn sensor(place: &SensorPlace, sigma: Uncertain) -> Sensor {
         sigma: Some(sigma),
         bias: None,
         lag_s: None,
+        behind_s: None,
         correlation_time_s: None,
         white: None,
     }

@@ -57,6 +57,7 @@ const FITS: &[(&str, &[PlaceKind])] = &[
     ("curve", &[PlaceKind::Node]),
     ("reading", &[PlaceKind::Sensor]),
     ("lag", &[PlaceKind::Sensor]),
+    ("clock", &[PlaceKind::Sensor]),
     ("swap", &[PlaceKind::SensorPair]),
 ];
 
@@ -100,6 +101,7 @@ impl AddsForm {
             ("curve", self.curve.is_some()),
             ("reading", self.reading.is_some()),
             ("lag", self.lag.is_some()),
+            ("clock", self.clock.is_some()),
             ("swap", self.swap.is_some()),
         ];
         all.into_iter().filter(|(_, given)| *given).map(|(name, _)| name).collect()
@@ -112,9 +114,9 @@ impl Effect {
         self.form.adds.value.curve.is_some()
     }
 
-    /// Whether all that it does is to let sensors follow late.
-    pub fn only_lags(&self) -> bool {
-        self.form.adds.value.given() == ["lag"]
+    /// Whether all that it does is to let sensors show at other times what happens.
+    pub fn only_changes_timing(&self) -> bool {
+        matches!(self.form.adds.value.given()[..], ["lag" | "clock"])
     }
 
     /// Whether it needs a gas about the hardware.
@@ -151,7 +153,7 @@ impl Effect {
     /// between two nodes is a path as well.
     pub fn only_stores(&self, where_kind: &str) -> bool {
         let stores = |name: &str| match name {
-            "capacity" | "within" | "source" | "lag" => true,
+            "capacity" | "within" | "source" | "lag" | "clock" => true,
             "node" => where_kind != PlaceKind::Pair.where_kind(),
             _ => false,
         };
@@ -389,9 +391,15 @@ impl Effect {
         }
         let resistance = Dimension::TEMPERATURE.over(Dimension::POWER);
         check.text(&adds.contact, Expected::value(resistance, "a resistance").given(), &[]);
-        check.text(&adds.lag, Expected::value(Dimension::TIME, "a time constant").given(), &[]);
-        if let Some(lag) = adds.lag.as_ref().filter(|lag| self.form.parameters.get(&lag.value).is_none()) {
-            wrong(&lag.place, "a lag is one of the parameters itself", "a parameter's name", check.diagnostics);
+        let times = [
+            (&adds.lag, "a time constant", "a lag is one of the parameters itself"),
+            (&adds.clock, "a time", "the time of a clock is one of the parameters itself"),
+        ];
+        for (time, what, message) in times {
+            check.text(time, Expected::value(Dimension::TIME, what).given(), &[]);
+            if let Some(time) = time.as_ref().filter(|time| self.form.parameters.get(&time.value).is_none()) {
+                wrong(&time.place, message, "a parameter's name", check.diagnostics);
+            }
         }
         if let Some(reading) = &adds.reading {
             // A sensor may measure anything: of its reading only the names are checked.

@@ -222,6 +222,8 @@ written_struct! {
         optional reading: Spanned<String>,
         /// Time constant with which the sensor follows, s.
         optional lag: Spanned<String>,
+        /// Time by which the sensor's clock is behind, s: its row of a time shows what happens this much later.
+        optional clock: Spanned<String>,
         /// The two sensors' channels are exchanged.
         optional swap: Empty,
     }

@@ -3,14 +3,7 @@
 
 use crate::math::functions::exp;
 
-/// Readings of a sensor with time constant `lag_s` (s; 0: none) for the truth at instants `times_s`.
-pub fn reading(times_s: &[f64], truth: &[f64], lag_s: f64) -> Vec<f64> {
-    let mut readings = truth.to_vec();
-    apply(times_s, &mut readings, lag_s, None);
-    readings
-}
-
-/// Replaces the truth by the readings. `slope`, where given, receives the derivative of the readings with respect to
+/// Replaces the truth at instants `times_s` by the readings of a sensor with time constant `lag_s` (s; 0: none). `slope`, where given, receives the derivative of the readings with respect to
 /// the time constant (SI unit of the reading a second). The map is linear in the truth, so that derivatives of the truth
 /// pass through it in the same way.
 pub fn apply(times_s: &[f64], values: &mut [f64], lag_s: f64, mut slope: Option<&mut [f64]>) {

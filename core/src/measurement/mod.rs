@@ -1,7 +1,7 @@
 //! Measurements, resolved: SI units, one row a phase or an instant, one column a sensor.
 //!
 //! `unknown`: what of them is inferred, and measurements with such values put in. `prediction`: what a network predicts of
-//! their readings (`lag`: of sensors that follow slowly). `scatter`: what repeated readings say of the noise. `clock`: when
+//! their readings (`timing`: of sensors that follow slowly, which `lag` knows, or whose clock is off). `scatter`: what repeated readings say of the noise. `clock`: when
 //! they were taken. May not know priors of models,
 //! likelihoods or effects beyond what they change of a sensor.
 
@@ -10,6 +10,7 @@ pub mod lag;
 pub mod prediction;
 pub mod scatter;
 mod sensor_places;
+pub mod timing;
 pub mod unknown;
 
 use schemars::JsonSchema;
@@ -25,6 +26,7 @@ use crate::thermal::Model;
 pub use crate::thermal::transient::{InputColumn, InputTable};
 pub use clock::calendar;
 pub use sensor_places::sensor_places;
+use timing::Timing;
 
 /// A number that is known, or has a prior and is inferred.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,6 +97,9 @@ pub struct Sensor {
     pub bias: Option<Uncertain>,
     /// Time constant of the sensor, s.
     pub lag_s: Option<Uncertain>,
+    /// Time by which the clock of its rows is behind that of the inputs, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub behind_s: Option<Uncertain>,
     /// Correlation time of the noise, s; `None`: white.
     pub correlation_time_s: Option<Uncertain>,
     /// Standard deviation of white noise beside correlated noise, SI; `None`: none.
@@ -106,6 +111,12 @@ impl Sensor {
     pub fn total_sd(&self) -> f64 {
         let part = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, Uncertain::nominal);
         total_sd(part(&self.sigma), part(&self.white))
+    }
+
+    /// When it shows what happens, at given parameters of the model.
+    pub fn timing(&self, parameters: &[f64]) -> Timing {
+        let at = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, |value| value.at(parameters));
+        Timing { lag_s: at(&self.lag_s), behind_s: at(&self.behind_s) }
     }
 }
 
@@ -370,8 +381,8 @@ impl Measurement {
         }
     }
 
-    /// Changes what sensors read, as an effect on them does; `nominal` is the nominal time constant of a lag, s. A
-    /// sensor that has a lag already gets the new one.
+    /// Changes what sensors read, as an effect on them does; `nominal` is the nominal value of a time that the effect gives, s. A
+    /// sensor that has such a time already gets the new one.
     pub fn change_sensors(&mut self, change: &SensorChange, nominal: f64) {
         match change {
             SensorChange::Reading { sensor, from, to } => {
@@ -384,6 +395,11 @@ impl Measurement {
             SensorChange::Lag { sensor, parameter } => {
                 for matching in self.sensors.iter_mut().filter(|matching| matching.name == *sensor) {
                     matching.lag_s = Some(Uncertain::Parameter { index: *parameter, nominal });
+                }
+            }
+            SensorChange::Clock { sensor, parameter } => {
+                for matching in self.sensors.iter_mut().filter(|matching| matching.name == *sensor) {
+                    matching.behind_s = Some(Uncertain::Parameter { index: *parameter, nominal });
                 }
             }
             SensorChange::Swap { sensors: [a, b] } => {

@@ -4,7 +4,6 @@ use crate::expression::Symbol;
 use crate::thermal::transient::{InitialState, TransientRequest};
 use crate::thermal::{Model, Network, NetworkError, NodeKind, Quantity, Start, Workspace};
 
-use crate::measurement::lag;
 use crate::measurement::{Initial, InputTable, Measurement, Rows};
 
 /// Heat of the model in one row, W.
@@ -79,8 +78,8 @@ impl Predictor {
         self.network.workspace()
     }
 
-    /// Predicts all rows of a measurement at given parameters (SI, in the model's order), with each sensor's bias and
-    /// lag at their known or median values, or at the parameter that they are.
+    /// Predicts all rows of a measurement at given parameters (SI, in the model's order), with each sensor's bias, lag
+    /// and clock at their known or median values, or at the parameter that they are.
     pub fn predict(&self, workspace: &mut Workspace, measurement: &Measurement, parameters: &[f64]) -> Prediction {
         let rows = measurement.len();
         let mut prediction = Prediction {
@@ -174,8 +173,7 @@ impl Predictor {
             };
             let fault = inputs.times_s.iter().zip(&truth).find_map(fault);
             prediction.failures.extend(fault.map(|fault| (None, fault)));
-            let lag_s = sensor.lag_s.as_ref().map_or(0.0, |lag| lag.at(parameters));
-            let read = lag::reading(&inputs.times_s, &truth, lag_s);
+            let read = sensor.timing(parameters).reading(&inputs.times_s, &truth);
             for (row, value) in read.into_iter().enumerate() {
                 prediction.readings[row * sensors.len() + position] = value;
             }

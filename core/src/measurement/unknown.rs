@@ -78,7 +78,7 @@ impl Unknowns {
     }
 }
 
-/// Name of something inferred of a sensor: `sigma`, `white`, `correlation_time`, `bias`, `lag`.
+/// Name of something inferred of a sensor: `sigma`, `white`, `correlation_time`, `bias`, `lag`, `clock_behind`.
 pub fn sensor_name(measurement: &str, sensor: &str, what: &str) -> String {
     format!("{measurement}.{sensor}.{what}")
 }
@@ -119,6 +119,7 @@ pub fn with_unknowns(
             (&mut sensor.correlation_time_s, "correlation_time"),
             (&mut sensor.bias, "bias"),
             (&mut sensor.lag_s, "lag"),
+            (&mut sensor.behind_s, "clock_behind"),
         ];
         for (value, what) in entries {
             if let Some(value) = value {

@@ -89,6 +89,9 @@ pub enum NoDirection {
     /// A lag without transients.
     #[error("steady phases do not see the lag of a sensor")]
     Lag,
+    /// A clock without transients.
+    #[error("steady phases do not see the clock of a sensor")]
+    Clock,
     /// A heat capacity without transients.
     #[error("steady phases do not see heat capacities")]
     Capacity,

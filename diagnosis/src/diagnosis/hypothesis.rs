@@ -4,9 +4,7 @@ use crate::diagnosis::odds::medium;
 use crate::diagnosis::{FitError, Problem};
 use crate::effect::apply::LEAST_CAPACITY_J_PER_K;
 use crate::effect::parameter::widened;
-use crate::effect::{
-    Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorChange, SensorPlace, Site, apply,
-};
+use crate::effect::{Applied, ApplyError, Candidate, Effect, EffectParameter, Instance, SensorPlace, Site, apply};
 use crate::expression::{Dimension, Unit};
 use crate::inference::likelihood::{Definition, Likelihood};
 use crate::measurement::{Initial, Measurement, Rows, Uncertain};
@@ -148,10 +146,7 @@ impl Hypothesis {
                 measurement.begin_like(node, host);
             }
             for change in &applied.sensors {
-                let nominal = match change {
-                    SensorChange::Lag { parameter, .. } => self.model.parameters[*parameter].nominal,
-                    _ => 0.0,
-                };
+                let nominal = change.time().map_or(0.0, |parameter| self.model.parameters[parameter].nominal);
                 measurement.change_sensors(change, nominal);
             }
         }

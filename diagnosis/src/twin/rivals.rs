@@ -177,13 +177,14 @@ fn columns(problem: &Problem, hidden: &Hidden, freedom: usize) -> Result<Vec<Rea
     while begin < seen.len() {
         let effect = &problem.candidates[seen[begin]].effect;
         let same = seen[begin..].iter().take_while(|&&p| problem.candidates[p].effect == *effect).count();
-        // Effects that add nodes, lags or another order of channels are not smooth at 0.
+        // Effects that add nodes, times of sensors or another order of channels are not smooth at 0.
         let smooth = problem.catalogue.get(effect).is_some_and(|effect| {
             let adds = &effect.form.adds.value;
             adds.node.is_none()
                 && adds.within.is_none()
                 && adds.contact.is_none()
                 && adds.lag.is_none()
+                && adds.clock.is_none()
                 && adds.swap.is_none()
         });
         let take = if smooth { same.min(CHUNK) } else { 1 };

@@ -73,9 +73,9 @@ fn uncertain(value: Option<&Uncertain>, shown: &Shown) -> String {
     }
 }
 
-fn time_constant(value: Option<&Uncertain>) -> String {
-    let seconds = if let Some(Uncertain::Known(seconds)) = value { *seconds } else { 0.0 };
-    uncertain(value, &Shown::time(seconds))
+fn seconds(value: Option<&Uncertain>) -> String {
+    let known = if let Some(Uncertain::Known(known)) = value { *known } else { 0.0 };
+    uncertain(value, &Shown::time(known))
 }
 
 fn sensors(report: &PassReport<'_>, measurement: &Measurement) -> Block {
@@ -85,20 +85,25 @@ fn sensors(report: &PassReport<'_>, measurement: &Measurement) -> Block {
         .enumerate()
         .map(|(position, sensor)| sensor_row(report, measurement, position, sensor))
         .collect();
-    Block::Table(Table {
-        caption: Text::new("Sensors of ").code(&measurement.name).plain("."),
-        columns: vec![
-            Column::text("Sensor"),
-            Column::text("Measures"),
-            Column::text("Unit in the file"),
-            Column::number("Noise, standard deviation", ""),
-            Column::number("Bias", ""),
-            Column::number("Time constant", ""),
-            Column::number("Noise correlation time", ""),
-            Column::number("Missing", ""),
-        ],
-        rows,
-    })
+    let mut columns = vec![
+        Column::text("Sensor"),
+        Column::text("Measures"),
+        Column::text("Unit in the file"),
+        Column::number("Noise, standard deviation", ""),
+        Column::number("Bias", ""),
+        Column::number("Time constant", ""),
+        Column::number("Noise correlation time", ""),
+        Column::number("Missing", ""),
+    ];
+    if has_clocks(measurement) {
+        columns.push(Column::number("Clock behind by", ""));
+    }
+    Block::Table(Table { caption: Text::new("Sensors of ").code(&measurement.name).plain("."), columns, rows })
+}
+
+/// Whether the clock of some sensor is said to be off.
+fn has_clocks(measurement: &Measurement) -> bool {
+    measurement.sensors.iter().any(|sensor| sensor.behind_s.is_some())
 }
 
 fn sensor_row(report: &PassReport<'_>, measurement: &Measurement, position: usize, sensor: &Sensor) -> Vec<Cell> {
@@ -112,16 +117,20 @@ fn sensor_row(report: &PassReport<'_>, measurement: &Measurement, position: usiz
         .step_by(measurement.sensors.len().max(1))
         .filter(|r| r.is_none())
         .count();
-    vec![
+    let mut cells = vec![
         Cell::code(&sensor.name),
         Cell::code(quantity.map_or(NONE, |q| q.name.as_str())),
         crate::report::number::typeset(&sensor.unit).into(),
         uncertain(sensor.sigma.as_ref(), &shown).into(),
         uncertain(sensor.bias.as_ref(), &shown).into(),
-        time_constant(sensor.lag_s.as_ref()).into(),
-        time_constant(sensor.correlation_time_s.as_ref()).into(),
+        seconds(sensor.lag_s.as_ref()).into(),
+        seconds(sensor.correlation_time_s.as_ref()).into(),
         if missing == 0 { Cell::from("0") } else { Cell::marked(missing.to_string(), Status::Caution) },
-    ]
+    ];
+    if has_clocks(measurement) {
+        cells.push(seconds(sensor.behind_s.as_ref()).into());
+    }
+    cells
 }
 
 /// Phases, or runs of instants with the same reason, that are left out.

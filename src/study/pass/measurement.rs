@@ -108,6 +108,8 @@ written_struct! {
         optional bias: UncertainForm,
         /// Time constant.
         optional lag: UncertainForm,
+        /// Time by which the clock of its rows is behind that of the inputs; below 0: ahead.
+        optional clock_behind: UncertainForm,
         /// Correlation time of the noise; white where it is left out.
         optional correlation_time: UncertainForm,
         /// Standard deviation of white noise beside the correlated noise; none where it is left out.

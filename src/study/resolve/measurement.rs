@@ -77,6 +77,7 @@ pub fn sensors<'a>(
         let sigma = value(&form.sigma, dimension, true);
         let bias = value(&form.bias, dimension, false);
         let lag_s = value(&form.lag, Dimension::TIME, true);
+        let behind_s = value(&form.clock_behind, Dimension::TIME, false);
         let correlation_time_s = value(&form.correlation_time, Dimension::TIME, true);
         let white = value(&form.white, dimension, true);
         if let Some(NameOr::Name(reason)) = ignore.get(&entry.name).map(|entry| &entry.value) {
@@ -88,7 +89,7 @@ pub fn sensors<'a>(
         }
         let name = entry.name.clone();
         let unit = String::new();
-        sensors.push((entry, Sensor { name, quantity, unit, sigma, bias, lag_s, correlation_time_s, white }));
+        sensors.push((entry, Sensor { name, quantity, unit, sigma, bias, lag_s, behind_s, correlation_time_s, white }));
     }
     if forms.is_empty() {
         let message = format!("the measurement `{measurement}` has no sensors");

@@ -1,7 +1,13 @@
 //! Tests of `core/src/measurement/lag.rs`.
 
 use bmv::math::functions::exp;
-use bmv::measurement::lag::*;
+use bmv::measurement::lag::apply;
+
+fn reading(times_s: &[f64], truth: &[f64], lag_s: f64) -> Vec<f64> {
+    let mut readings = truth.to_vec();
+    apply(times_s, &mut readings, lag_s, None);
+    readings
+}
 
 #[test]
 fn a_lagging_sensor_follows_a_ramp_one_time_constant_behind() {

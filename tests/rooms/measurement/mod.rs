@@ -2,3 +2,4 @@ mod clock;
 mod lag;
 mod prediction;
 mod scatter;
+mod timing;

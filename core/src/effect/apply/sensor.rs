@@ -1,4 +1,4 @@
-//! Additions to sensors: a law of the reading, a lag, exchanged channels.
+//! Additions to sensors: a law of the reading, a lag, a clock that is off, exchanged channels.
 //!
 //! A law is an expression over the model, so a sensor that has one measures a quantity of its own: solutions and
 //! derivatives follow without more.
@@ -29,6 +29,13 @@ pub enum SensorChange {
         /// The parameter of the model that is its time constant, s.
         parameter: usize,
     },
+    /// Its clock is behind.
+    Clock {
+        /// The sensor.
+        sensor: String,
+        /// The parameter of the model that is the time by which it is, s.
+        parameter: usize,
+    },
     /// Two sensors' channels are exchanged.
     Swap {
         /// The sensors.
@@ -39,8 +46,26 @@ pub enum SensorChange {
 /// 0 degC in K, about which slopes of thermometers turn.
 const CELSIUS_ZERO_K: f64 = crate::expression::unit::CELSIUS_ZERO_K;
 
+impl SensorChange {
+    /// The sensor whose reading changes by itself.
+    pub fn of_sensor(&self) -> Option<&str> {
+        match self {
+            Self::Reading { sensor, .. } | Self::Lag { sensor, .. } | Self::Clock { sensor, .. } => Some(sensor),
+            Self::Swap { .. } => None,
+        }
+    }
+
+    /// The parameter of the model that is a time of the sensor.
+    pub fn time(&self) -> Option<usize> {
+        match self {
+            Self::Lag { parameter, .. } | Self::Clock { parameter, .. } => Some(*parameter),
+            Self::Reading { .. } | Self::Swap { .. } => None,
+        }
+    }
+}
+
 impl Work<'_, '_> {
-    /// `reading`, `lag` and `swap`.
+    /// `reading`, `lag`, `clock` and `swap`.
     pub(super) fn sensors(&mut self) -> Result<(), ApplyError> {
         let adds = &self.instance.effect.form.adds.value;
         if let Some(reading) = &adds.reading {
@@ -50,19 +75,27 @@ impl Work<'_, '_> {
             }
         }
         if let Some(lag) = &adds.lag {
-            let id = self.expression(&lag.value, &[])?;
-            let Term::Symbol(Symbol::Parameter(parameter)) = self.model.graph.term(id) else {
-                return Err(self.misplaced());
-            };
-            for sensor in self.place_sensors()? {
-                let parameter = parameter as usize;
-                self.applied.sensors.push(SensorChange::Lag { sensor: sensor.name, parameter });
-            }
+            self.at_other_times(&lag.value, |sensor, parameter| SensorChange::Lag { sensor, parameter })?;
+        }
+        if let Some(clock) = &adds.clock {
+            self.at_other_times(&clock.value, |sensor, parameter| SensorChange::Clock { sensor, parameter })?;
         }
         if adds.swap.is_some() {
             let sensors: Vec<String> = self.place_sensors()?.into_iter().map(|sensor| sensor.name).collect();
             let sensors: [String; 2] = sensors.try_into().map_err(|_| self.misplaced())?;
             self.applied.sensors.push(SensorChange::Swap { sensors });
+        }
+        Ok(())
+    }
+
+    /// Changes when the sensors show what happens, by a time that is one of the parameters.
+    fn at_other_times(&mut self, time: &str, change: fn(String, usize) -> SensorChange) -> Result<(), ApplyError> {
+        let id = self.expression(time, &[])?;
+        let Term::Symbol(Symbol::Parameter(parameter)) = self.model.graph.term(id) else {
+            return Err(self.misplaced());
+        };
+        for sensor in self.place_sensors()? {
+            self.applied.sensors.push(change(sensor.name, parameter as usize));
         }
         Ok(())
     }

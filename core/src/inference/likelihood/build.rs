@@ -168,12 +168,13 @@ fn sensors(
         }
         let white = value(&sensor.white, "white", unit);
         let bias = value(&sensor.bias, "bias", unit);
-        let (mut correlation_time_s, mut lag_s) = (None, None);
+        let (mut correlation_time_s, mut lag_s, mut behind_s) = (None, None, None);
         if over_time {
             correlation_time_s = value(&sensor.correlation_time_s, "correlation_time", "s");
             lag_s = value(&sensor.lag_s, "lag", "s");
+            behind_s = value(&sensor.behind_s, "clock_behind", "s");
         }
-        parts.push(SensorPart { quantity, noise: Noise { sigma, correlation_time_s, white }, bias, lag_s });
+        parts.push(SensorPart { quantity, noise: Noise { sigma, correlation_time_s, white }, bias, lag_s, behind_s });
     }
     Ok(parts)
 }

@@ -4,6 +4,7 @@ use super::transient::TransientPart;
 use super::{Likelihood, Part};
 use crate::inference::target::Rejected;
 use crate::measurement::InputTable;
+use crate::measurement::timing::Timing;
 use crate::thermal::transient::linearised::{KnownCourse, LinearisedTransient};
 
 /// A transient at given unknowns.
@@ -30,8 +31,8 @@ pub struct Course {
 pub struct CourseSensor {
     /// Position of its quantity in the network.
     pub quantity: usize,
-    /// Its lag, s.
-    pub lag_s: f64,
+    /// When it shows what happens.
+    pub timing: Timing,
     /// Position of its first residual; the others follow.
     pub first: usize,
     /// Rows of its residuals.

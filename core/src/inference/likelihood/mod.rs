@@ -29,6 +29,7 @@ use thiserror::Error;
 use crate::inference::prior::joint_prior::{JointPrior, STANDARD, pull_back, unknowns_at};
 use crate::inference::target::{LeastSquares, Rejected, Target};
 use crate::measurement::Measurement;
+use crate::measurement::timing::Timing;
 use crate::measurement::unknown::{Unknowns, Value};
 use crate::random::Distribution;
 use crate::thermal::{self, Network, NetworkError, Transient};
@@ -140,6 +141,15 @@ struct SensorPart {
     noise: Noise,
     bias: Option<Value>,
     lag_s: Option<Value>,
+    behind_s: Option<Value>,
+}
+
+impl SensorPart {
+    /// When it shows what happens.
+    fn timing(&self, unknowns: &[f64]) -> Timing {
+        let at = |value: Option<Value>| value.map_or(0.0, |value| value.at(unknowns));
+        Timing { lag_s: at(self.lag_s), behind_s: at(self.behind_s) }
+    }
 }
 
 /// A steady phase at given unknowns.
@@ -281,6 +291,15 @@ impl Likelihood {
     /// The unknowns with their priors and SI units: chosen parameters, then what is inferred of the data.
     pub fn unknowns(&self) -> &Unknowns {
         &self.unknowns
+    }
+
+    /// When a sensor of a measurement shows what happens, at given unknowns.
+    pub fn timing(&self, measurement: usize, sensor: usize, unknowns: &[f64]) -> Timing {
+        let sensors = match &self.parts[measurement] {
+            Part::Steady(part) => part.sensors(),
+            Part::Transient(part) => part.sensors(),
+        };
+        sensors[sensor].timing(&self.at(unknowns))
     }
 
     /// Number of chosen parameters of the model, which are the first unknowns.

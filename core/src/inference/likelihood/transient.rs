@@ -1,4 +1,4 @@
-//! Transients in the likelihood: integrates to the last used row, applies lag and bias, gives the differences; `noise`
+//! Transients in the likelihood: integrates to the last row that is shown, applies lag, clock and bias, gives the differences; `noise`
 //! whitens them, `mod` sums the density.
 
 use super::build::is_used;
@@ -8,7 +8,7 @@ use super::whitening::Block;
 use super::{Datum, Likelihood, Memory, SensorPart};
 use crate::inference::likelihood::noise::Series;
 use crate::inference::target::Rejected;
-use crate::measurement::lag;
+use crate::measurement::timing::TimingSlopes;
 use crate::measurement::unknown::{ALL, Unknowns, Value, shifted, start_name};
 use crate::measurement::{Initial, InputTable, Measurement, Rows};
 use crate::thermal::transient::{InitialState, TransientRequest};
@@ -25,7 +25,7 @@ pub(super) struct TransientPart {
     sensors: Vec<SensorPart>,
     /// Readings of each sensor.
     readings: Vec<Readings>,
-    /// Rows from the first to the last that is used.
+    /// Rows from the first to the last that is used; all where a clock is off, as it may show later ones.
     rows: usize,
     /// Where derivatives are found on fewer rows.
     drawn: Option<Box<Drawn>>,
@@ -107,6 +107,9 @@ impl TransientPart {
             }
             readings.push(sensor_readings);
         }
+        if rows > 0 && sensors.iter().any(|sensor| sensor.behind_s.is_some()) {
+            rows = measurement.len();
+        }
         Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, rows, drawn: None }
     }
 
@@ -177,16 +180,16 @@ impl TransientPart {
         let width = likelihood.columns.len() + fitted.len();
         let quantities = likelihood.network.quantities();
         let mut column_values = vec![0.0; self.rows];
-        let mut lag_slope = vec![0.0; self.rows];
+        let mut timing_slopes = TimingSlopes::default();
         for (sensor, readings) in self.sensors.iter().zip(&self.readings) {
             let count = readings.rows.len();
-            let lag_s = sensor.lag_s.map_or(0.0, |lag| lag.at(unknowns));
+            let timing = sensor.timing(unknowns);
             let bias = sensor.bias.map_or(0.0, |bias| bias.at(unknowns));
             let range = readings.first..readings.first + count;
             for (row, value) in column_values.iter_mut().enumerate() {
                 *value = solution.quantities[row * quantities + sensor.quantity];
             }
-            lag::apply(&self.inputs.times_s, &mut column_values, lag_s, Some(&mut lag_slope));
+            timing.apply(&self.inputs.times_s, &mut column_values, slopes.then_some(&mut timing_slopes));
             for (residual, (&row, reading)) in
                 memory.residuals[range.clone()].iter_mut().zip(readings.rows.iter().zip(&readings.values))
             {
@@ -202,14 +205,16 @@ impl TransientPart {
                         Some(drawn) => drawn.draw(slope, &mut column_values),
                         None => column_values.iter_mut().enumerate().for_each(|(row, value)| *value = slope(row)),
                     }
-                    lag::apply(&self.inputs.times_s, &mut column_values, lag_s, None);
+                    timing.apply(&self.inputs.times_s, &mut column_values, None);
                     for (position, &row) in readings.rows.iter().enumerate() {
                         jacobian[position * n + place] = -column_values[row];
                     }
                 }
-                if let Some(place) = sensor.lag_s.and_then(|lag| lag.place()) {
+                let of_timing = [(sensor.lag_s, &timing_slopes.by_lag), (sensor.behind_s, &timing_slopes.by_behind)];
+                for (value, slope) in of_timing {
+                    let Some(place) = value.and_then(|value| value.place()) else { continue };
                     for (position, &row) in readings.rows.iter().enumerate() {
-                        jacobian[position * n + place] -= lag_slope[row];
+                        jacobian[position * n + place] -= slope[row];
                     }
                 }
                 if let Some(place) = sensor.bias.and_then(|bias| bias.place()) {
@@ -291,6 +296,11 @@ impl TransientPart {
         })
     }
 
+    /// Its sensors.
+    pub fn sensors(&self) -> &[SensorPart] {
+        &self.sensors
+    }
+
     /// Position of the measurement.
     pub fn measurement(&self) -> usize {
         self.index
@@ -323,7 +333,7 @@ impl TransientPart {
     pub fn course_sensors(&self, unknowns: &[f64]) -> Vec<CourseSensor> {
         let of = |(sensor, readings): (&SensorPart, &Readings)| CourseSensor {
             quantity: sensor.quantity,
-            lag_s: sensor.lag_s.map_or(0.0, |lag| lag.at(unknowns)),
+            timing: sensor.timing(unknowns),
             first: readings.first,
             rows: readings.rows.clone(),
         };

@@ -59,8 +59,13 @@ pub struct BetweenRows {
 }
 
 impl BetweenRows {
-    /// Of so many `rows`, those of the priors with them, and `parameters`. `None` where coordinates are no gain.
+    /// Of so many `rows`, those of the priors with them, and `parameters`. `None` where coordinates are no gain, or a clock that is off
+    /// shows in an interval what happens in others.
     pub fn new(courses: &[Course], whitening: &Whitening, rows: usize, parameters: usize) -> Option<Self> {
+        let mut sensors = courses.iter().flat_map(|course| &course.sensors);
+        if sensors.any(|sensor| sensor.timing.behind_s != 0.0) {
+            return None;
+        }
         let mut has_own = vec![true; rows];
         let mut all = Self { rows, ..Self::default() };
         for course in courses {
@@ -201,7 +206,7 @@ fn intervals(course: &Course, sensor: usize, filter: &Filter) -> Vec<Interval> {
             for row in begins..=to {
                 if row > from {
                     let truth = [truth(row - 1), truth(row)];
-                    lagged = lag::after_step(times_s[row] - times_s[row - 1], own.lag_s, truth, lagged);
+                    lagged = lag::after_step(times_s[row] - times_s[row - 1], own.timing.lag_s, truth, lagged);
                 }
                 if readings.get(column.len()) == Some(&row) {
                     column.push(filter.step(first + column.len(), lagged, &mut state));

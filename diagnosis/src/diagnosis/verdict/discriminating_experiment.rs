@@ -233,12 +233,13 @@ fn template(findings: &Findings<'_>) -> Option<Measurement> {
     measurement.rows = Rows::Steady(Vec::new());
     measurement.readings.clear();
     for (number, sensor) in measurement.sensors.iter_mut().enumerate() {
-        // Steady phases know neither lags nor correlation, and a model error counts in them as theirs, not as a transient's.
+        // Steady phases know neither lags, clocks nor correlation, and a model error counts in them as theirs, not as a transient's.
         let estimated = findings.state.noise.iter().find(|own| own.measurement == place && own.sensor == number);
         let wrong = estimated.and_then(|own| Some(own.model_error?.in_steady_phases(own.noise.total())));
         let total = wrong.unwrap_or_else(|| sensor.total_sd());
         sensor.sigma = Some(crate::measurement::Uncertain::Known(total));
         sensor.lag_s = None;
+        sensor.behind_s = None;
         sensor.correlation_time_s = None;
         sensor.white = None;
     }

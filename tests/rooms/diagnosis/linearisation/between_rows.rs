@@ -10,7 +10,7 @@ use bmv::effect::Catalogue;
 use bmv::inference::likelihood::Course;
 use bmv::inference::target::Target;
 use bmv::math::dense::dot_of_columns as dot;
-use bmv::measurement::{Rows, Uncertain, lag};
+use bmv::measurement::{Rows, Uncertain};
 use bmv::twin::{InjectionRequest, Recipe, TestKind, Topology, case};
 use std::sync::Arc;
 
@@ -91,7 +91,7 @@ fn coordinates_are_those_of_columns_drawn_lagged_and_whitened() {
                     changes[after - 1] + share * (changes[after] - changes[after - 1])
                 })
                 .collect();
-            lag::apply(times_s, &mut values, sensor.lag_s, None);
+            sensor.timing.apply(times_s, &mut values, None);
             for (place, &row) in sensor.rows.iter().enumerate() {
                 column[sensor.first + place] = values[row];
             }

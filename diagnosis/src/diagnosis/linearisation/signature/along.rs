@@ -21,7 +21,7 @@ use crate::diagnosis::error::NoDirection;
 use crate::diagnosis::linearisation::between_rows::BetweenRows;
 use crate::diagnosis::linearisation::linear::Direction;
 use crate::inference::likelihood::Course;
-use crate::measurement::{InputTable, lag};
+use crate::measurement::InputTable;
 use crate::thermal::transient::linearised::{AddedNode, EARLY};
 
 /// Amplitudes that respond together.
@@ -377,7 +377,7 @@ fn draw<'a>(
         for (value, direct) in values.iter_mut().zip(direct.into_iter().flatten()) {
             *value += direct;
         }
-        lag::apply(times_s, &mut values, own.lag_s, None);
+        own.timing.apply(times_s, &mut values, None);
         for (place, &row) in own.rows.iter().enumerate() {
             column[own.first + place] = values[row];
         }

@@ -7,13 +7,13 @@ use crate::inference::likelihood::{Definition, InputError, Likelihood};
 use crate::inference::target::{LeastSquares, Target};
 use crate::measurement::{Measurement, Rows, Uncertain};
 
-/// By measurement what each sensor reads in each row, `rows x sensors`, SI; 0 in rows that are not fitted.
+/// By measurement what each sensor reads in each row, `rows x sensors`, SI; 0 in rows that its residuals leave out.
 pub(super) type Predictions = Vec<Vec<f64>>;
 
 /// A measurement with a reading of 0 in every row up to the last that has one to fit.
 pub(super) fn blank(measurement: &Measurement) -> Measurement {
     let mut blank = measurement.clone();
-    let read = rows_read(measurement) * blank.sensors.len();
+    let read = last_fitted(measurement).map_or(0, |last| last + 1) * blank.sensors.len();
     for (place, reading) in blank.readings.iter_mut().enumerate() {
         *reading = (place < read).then_some(0.0);
     }
@@ -25,19 +25,16 @@ pub(super) fn blank(measurement: &Measurement) -> Measurement {
     blank
 }
 
-/// Rows up to the last with a reading to fit.
-fn rows_read(measurement: &Measurement) -> usize {
-    last_fitted(measurement).map_or(0, |last| last + 1)
-}
-
-/// A blank measurement of which all rows up to the last that is read are fitted, and whose sensors have no lags.
+/// A blank measurement of which all rows are fitted, and whose sensors show what happens when it does.
 pub(super) fn blank_truth(measurement: &Measurement) -> Measurement {
-    let read = rows_read(measurement);
     let mut blank = blank(measurement);
-    blank.sensors.iter_mut().for_each(|sensor| sensor.lag_s = None);
+    for sensor in &mut blank.sensors {
+        (sensor.lag_s, sensor.behind_s) = (None, None);
+    }
     if let Rows::Transient { held_out, ignored, .. } = &mut blank.rows {
-        held_out[..read].fill(false);
-        ignored[..read].fill(None);
+        blank.readings.fill(Some(0.0));
+        held_out.fill(false);
+        ignored.fill(None);
     }
     blank
 }

@@ -25,8 +25,8 @@ pub enum Form<'a> {
         /// The effect.
         effect: &'a Effect,
     },
-    /// By predictions that are read late.
-    Lag {
+    /// By predictions that are read at other times.
+    Timing {
         /// The effect.
         effect: &'a Effect,
     },
@@ -84,8 +84,8 @@ impl Forms {
         if effect.exchanges_channels() {
             return Form::Swap;
         }
-        if effect.only_lags() {
-            return Form::Lag { effect };
+        if effect.only_changes_timing() {
+            return Form::Timing { effect };
         }
         if self.smooth[&candidate.effect] && !gives_storage(problem, effect, candidate) {
             Form::Smooth { effect }
@@ -105,6 +105,8 @@ impl Forms {
         Some(if steady_only && !seen(SeenBy::Steady) {
             if adds.lag.is_some() {
                 NoDirection::Lag
+            } else if adds.clock.is_some() {
+                NoDirection::Clock
             } else if adds.capacity.is_some() || adds.node.is_some() || adds.within.is_some() || adds.source.is_some() {
                 NoDirection::Capacity
             } else {
@@ -165,6 +167,7 @@ fn is_smooth(effect: &Effect) -> bool {
         || adds.source.is_some()
         || adds.contact.is_some()
         || adds.lag.is_some()
+        || adds.clock.is_some()
     {
         return false;
     }

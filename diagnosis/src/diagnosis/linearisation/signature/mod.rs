@@ -4,7 +4,7 @@
 //! has derivatives: with steady phases alone exact ones by adjoints (`adjoint`), with transients as sensitivities of a model
 //! that holds many effects with amplitude 0 (`extended`), over long ones as responses of the network linearised along its course
 //! (`along`) or, where that cannot be had, on fewer rows (`coarse`); what an amplitude does at fixed temperatures is `slopes`. One that is not smooth, such as a hidden node, is tried at finite
-//! values (`probe`), over long records as a node that responds along the course (`added_node`); late sensors read the predictions late (`lag`), exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
+//! values (`probe`), over long records as a node that responds along the course (`added_node`); sensors that are late or whose clocks are off read the predictions at other times (`timing`), exchanged channels are exchanged predictions (`swap`), a prior that is too narrow is its parameter (`parameter`). What no reading can see is stated with its
 //! reason (`form`: which of these an effect is, and why not).
 
 pub mod added_node;
@@ -14,11 +14,11 @@ mod blank;
 mod coarse;
 pub mod extended;
 pub mod form;
-mod lag;
 mod parameter;
 mod probe;
 mod slopes;
 mod swap;
+mod timing;
 pub mod variant;
 
 use std::collections::BTreeMap;
@@ -214,7 +214,7 @@ impl<'a> Signatures<'a> {
         let problem = base.problem;
         let coarse_base = coarse.as_ref().and_then(|coarse| coarse.base().ok());
         let fewer_rows = coarse.as_ref().zip(coarse_base.as_ref());
-        let (mut swaps, mut lags) = (swap::Swaps::default(), lag::Lags::default());
+        let (mut swaps, mut timings) = (swap::Swaps::default(), timing::Timings::default());
         let mut parameters = parameter::Parameters::default();
         let mut unseen = Vec::new();
         let together = (MOST_ENTRIES / base.rows.max(1)).clamp(16, MOST_TOGETHER);
@@ -250,7 +250,7 @@ impl<'a> Signatures<'a> {
                     Form::Smooth { .. } => exact.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                     Form::Probe { .. } => probed.next().unwrap_or(Err(NoDirection::NotScreened.into())),
                     Form::Swap => swaps.direction(base, position),
-                    Form::Lag { effect } => lags.directions(base, position, effect),
+                    Form::Timing { effect } => timings.directions(base, position, effect),
                     Form::Parameter(index) => parameters.direction(base, position, *index),
                 };
                 match candidate_directions {
