@@ -224,6 +224,24 @@ fn a_start_that_nothing_can_have_is_refused() {
 }
 
 #[test]
+fn a_clock_that_is_off_is_adopted_once() {
+    let study = Study::transient();
+    let entry = r#""late": {"effect": {"time-offset": {"where": "box", "parameters": {"shift": {"unit": "min", "nominal": -2}}}}, "because": "two loggers"}"#;
+    let pass = adopting(&study, entry);
+    let behind = parameter(&pass, "late.shift");
+    assert_eq!(pass.measurements[0].sensors[0].behind_s, Some(Uncertain::Parameter { index: behind, nominal: -120.0 }));
+    // What was declared of the sensor would be lost.
+    study.edit(
+        "pass-1.json",
+        r#""sensors": {"box": {"#,
+        r#""sensors": {"box": {"clock_behind": {"value": 1, "unit": "h"}, "#,
+    );
+    let said = study.said("pass-1.json");
+    assert!(said.contains("the sensor `box` of `balance` has a clock that is off already"), "{said}");
+    assert!(said.contains("a sensor without `clock_behind`"), "{said}");
+}
+
+#[test]
 fn a_study_brings_its_own_effect() {
     let study = Study::new();
     // The example of docs/effects.md.
@@ -299,8 +317,12 @@ fn a_sensor_whose_data_are_wrong_or_not_here_is_no_unknown_one() {
 fn a_sensor_whose_rate_is_not_known_says_why() {
     let said = |first: &str| {
         let study = Study::transient();
-        let clock = r#""early": {"effect": {"sensor-clock": {"where": "box"}}, "because": "clocks"}"#;
-        let entries = format!("{first}{clock}");
+        let own = r#"{"format": "bmv-effect/1", "title": "Own", "applies": {"sensor": {}},
+            "parameters": {"behind": {"unit": "s", "prior": {"halfnormal": 60}}},
+            "adds": {"reading": "T + behind * rate"}, "source": "a test"}"#;
+        study.put("effects/early.json", own);
+        let entry = r#""early": {"effect": {"early": {"where": "box"}}, "because": "clocks"}"#;
+        let entries = format!("{first}{entry}");
         study.edit("pass-1.json", r#""design": {"A""#, &format!(r#""adopt": {{{entries}}}, "design": {{"A""#));
         study.said("pass-1.json").split_whitespace().collect::<Vec<_>>().join(" ")
     };

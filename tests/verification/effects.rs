@@ -326,12 +326,16 @@ fn heats_follow_their_equations() {
     }
 }
 
-/// A clock that is behind by a minute adds a minute's change: all heat into the box over its 900 J/K.
+/// A reading that adds a minute's change: all heat into the box over its 900 J/K.
 #[test]
-fn a_clock_that_is_behind_reads_ahead_by_the_rate_of_the_node() {
-    let catalogue = catalogue();
-    let candidate = all(&catalogue).into_iter().find(|own| own.id == "sensor-clock:TC box").expect("there");
-    let (mut model, _, probe, _) = applied(catalogue.get("sensor-clock").expect("there"), &candidate);
+fn the_rate_of_a_reading_is_that_of_the_node() {
+    let mut catalogue = catalogue();
+    let own = r#"{"format": "bmv-effect/1", "title": "Early", "applies": {"sensor": {}},
+        "parameters": {"behind": {"unit": "s", "prior": {"halfnormal": 60}, "sign": "positive", "probes": [60]}},
+        "adds": {"reading": "T + behind * rate"}, "source": "a test"}"#;
+    catalogue.read("early", "early.json", own.as_bytes(), &mut Diagnostics::new()).expect("read");
+    let candidate = all(&catalogue).into_iter().find(|own| own.id == "early:TC box").expect("there");
+    let (mut model, _, probe, _) = applied(catalogue.get("early").expect("there"), &candidate);
     let reading = model.quantities.last().expect("added").value.expression();
     let cabinet = model.nodes.iter().position(|node| node.name == "box").expect("there");
     let mut heat = 0.0;

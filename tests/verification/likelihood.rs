@@ -230,6 +230,20 @@ fn all_that_can_be_inferred_of_data_has_a_name_and_an_exact_gradient() {
     check_gradient(&target, &at, 1e-4, 2e-3);
 }
 
+/// A clock shows rows beyond the last that is used, and its derivative is exact where it meets no row.
+#[test]
+fn the_time_of_a_clock_has_an_exact_gradient() {
+    let (model, mut measurements) = bench();
+    let uniform = |lower: f64, upper: f64| Uncertain::Inferred(Distribution::Uniform { lower, upper });
+    measurements[0].sensors[0].behind_s = Some(uniform(-60.0, 60.0));
+    let target = bench_likelihood(&model, &measurements);
+    assert_eq!(target.names()[5], "bench.one.clock_behind");
+    for behind_s in [-17.3, 0.4, 23.1] {
+        let at = [0.022, 20.0, 0.3, 20.0, 8.0, behind_s, 0.2, 0.15, 0.3, 30.0, 293.0, 0.4, 0.25];
+        check_gradient(&target, &at, 1e-4, 2e-3);
+    }
+}
+
 #[test]
 fn a_lag_that_is_a_parameter_of_the_model_is_the_lag_of_its_sensor() {
     let (model, measurements) = bench();

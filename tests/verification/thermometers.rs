@@ -26,41 +26,65 @@ const PASS: &str = r#"{"format": "bmv-pass/1", "title": "Logger", "parent": null
 
 const SIGMA_K: f64 = 0.1;
 
-/// A heater that goes on and off, both thermometers following by first order with the same time constant: in steps of a
-/// tenth of a second by Euler's rule, whose error is below 5 mK.
-fn diagnosed(lag_s: f64) -> Output {
+/// What is wrong with the thermometers.
+#[derive(Clone, Copy, Default)]
+struct Faults {
+    /// Time constant of both, s.
+    lag_s: f64,
+    /// By how much each clock is behind, s.
+    behind_s: [f64; 2],
+}
+
+/// Steps of a simulation in a second.
+const STEPS: usize = 10;
+
+/// A heater that goes on and off, both thermometers following by first order with the same time constant, by Euler's rule,
+/// whose error is below 5 mK, each with its own clock.
+fn diagnosed(faults: Faults) -> Output {
     let mut noise = StreamKey::new(5, "thermometers", "noise").stream(0);
-    let mut table = String::from("time [s],Q [W],plate [K],box [K]\n");
+    let power_w = |second: usize| if second / 300 % 2 == 0 { 20.0 } else { 2.0 };
     let (mut state, mut read) = ([290.0_f64; 2], [290.0_f64; 2]);
-    for row in 0..120_u32 {
-        let power = if row / 15 % 2 == 0 { 20.0 } else { 2.0 };
-        let shown = read.map(|kelvin| kelvin + SIGMA_K * noise.normal());
-        table.push_str(&format!("{},{power},{:.4},{:.4}\n", 20 * row, shown[0], shown[1]));
-        for _ in 0..200 {
-            let [plate, cabinet] = state;
-            let through = 0.5 * (plate - cabinet);
-            state[0] += 0.1 * (power - 0.5 * (plate - 290.0) - through) / 100.0;
-            state[1] += 0.1 * through / 50.0;
-            for (read, kelvin) in read.iter_mut().zip(state) {
-                *read += 0.1 * (kelvin - *read) / lag_s.max(0.1);
-            }
+    let mut course = vec![read];
+    let step_s = 1.0 / STEPS as f64;
+    for step in 0..3000 * STEPS {
+        let [plate, cabinet] = state;
+        let through = 0.5 * (plate - cabinet);
+        state[0] += step_s * (power_w(step / STEPS) - 0.5 * (plate - 290.0) - through) / 100.0;
+        state[1] += step_s * through / 50.0;
+        for (read, kelvin) in read.iter_mut().zip(state) {
+            *read += step_s * (kelvin - *read) / faults.lag_s.max(step_s);
         }
+        course.push(read);
+    }
+    let mut table = String::from("time [s],Q [W],plate [K],box [K]\n");
+    for second in (0..2400).step_by(20) {
+        let shown = [0, 1].map(|sensor| {
+            let at = (second as f64 + faults.behind_s[sensor]).max(0.0) * STEPS as f64;
+            course[at as usize][sensor] + SIGMA_K * noise.normal()
+        });
+        table.push_str(&format!("{second},{},{:.4},{:.4}\n", power_w(second), shown[0], shown[1]));
     }
     let problem = small_study::problem(&[("model.json", MODEL), ("data.csv", table.as_str()), ("pass-1.json", PASS)]);
     let key = StreamKey::new(7, "thermometers", "diagnosis");
     Diagnosis::new(problem, Settings::default(), key).run().expect("a diagnosis")
 }
 
+/// The time that was selected as the one effect, in its unit, and its standard deviation.
+fn selected_time(output: &Output, id: &str, parameter: &str) -> (f64, f64) {
+    assert_eq!(output.selected, [id], "{:?}", output.words);
+    let effect = output.effects.iter().find(|effect| effect.id == id).expect("listed");
+    let time = &effect.amplitudes[parameter];
+    (time.value, time.sd)
+}
+
 #[test]
 #[ignore = "thorough"]
 fn a_lag_of_all_thermometers_is_one_effect() {
-    let output = diagnosed(25.0);
-    assert_eq!(output.selected, ["sensor-lag:all thermometers"], "{:?}", output.words);
-    let effect = output.effects.iter().find(|effect| effect.id == output.selected[0]).expect("listed");
-    let constant = &effect.amplitudes["time_constant"];
-    assert!((constant.value - 25.0).abs() < 4.0 * constant.sd && constant.sd < 1.0, "{constant:?}");
+    let output = diagnosed(Faults { lag_s: 25.0, ..Faults::default() });
+    let (constant, sd) = selected_time(&output, "sensor-lag:all thermometers", "time_constant");
+    assert!((constant - 25.0).abs() < 4.0 * sd && sd < 1.0, "{constant} {sd}");
     // One size explains both: a lag of one thermometer does not.
-    for other in output.effects.iter().filter(|other| other.id != effect.id) {
+    for other in output.effects.iter().filter(|other| other.id != output.selected[0]) {
         // Heat that arrives late looks like it where the readings show little but the heater's steps.
         let most = if other.effect == "heater-capacity" { 0.1 } else { 0.05 };
         assert!(other.probability < most, "{} {}: {:?}", other.id, other.probability, output.words);
@@ -69,6 +93,34 @@ fn a_lag_of_all_thermometers_is_one_effect() {
 
 #[test]
 fn thermometers_that_follow_at_once_have_no_lag() {
-    let output = diagnosed(0.0);
+    let output = diagnosed(Faults::default());
     assert_eq!(output.selected, Vec::<String>::new(), "{:?}", output.words);
+}
+
+/// A minute late is no lag: what follows a step begins late.
+#[test]
+#[ignore = "thorough"]
+fn a_clock_that_is_ahead_is_told_from_a_lag() {
+    let output = diagnosed(Faults { behind_s: [0.0, -60.0], ..Faults::default() });
+    let (behind, sd) = selected_time(&output, "time-offset:box", "shift");
+    assert!((behind + 1.0).abs() < 4.0 * sd && sd < 0.02, "{behind} {sd} min");
+    let lag = output.effects.iter().find(|effect| effect.id == "sensor-lag:box").expect("listed");
+    assert!(lag.probability < 0.01, "{}", lag.probability);
+}
+
+#[test]
+#[ignore = "thorough"]
+fn clocks_that_are_behind_are_those_of_all_thermometers() {
+    let output = diagnosed(Faults { behind_s: [40.0; 2], ..Faults::default() });
+    let (behind, sd) = selected_time(&output, "sensor-clock:all thermometers", "behind");
+    assert!((behind - 40.0).abs() < 4.0 * sd && sd < 2.0, "{behind} {sd}");
+}
+
+/// Farther apart than first order in the time would show: the heater's next step lies in between.
+#[test]
+#[ignore = "thorough"]
+fn a_clock_that_is_ahead_by_minutes_is_found() {
+    let output = diagnosed(Faults { behind_s: [0.0, -400.0], ..Faults::default() });
+    let (behind, sd) = selected_time(&output, "time-offset:box", "shift");
+    assert!((behind + 400.0 / 60.0).abs() < 4.0 * sd && sd < 0.02, "{behind} {sd} min");
 }
