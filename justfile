@@ -40,9 +40,9 @@ laboratory nulls="2000" cases="1000" finer="400" dated="200" seed="1":
 known-truth +campaigns:
     cargo build --release && python3 tests/known_truth.py target/release/bmv {{campaigns}}
 
-# campaigns of small test benches with unstated noise, one hidden effect and so many minor ones, written (with NumPy) and diagnosed
-benches seed="1" count="48" minor="0":
-    cargo build --release && python3 tests/benches/prepare.py {{seed}} {{count}} target/benches {{minor}} && python3 tests/known_truth.py target/release/bmv target/benches/*
+# campaigns of small test benches with unstated noise, one hidden effect and so many minor ones, written (with NumPy) and diagnosed; `shift`: readings that are offset in time
+benches seed="1" count="48" minor="0" kinds="":
+    cargo build --release && python3 tests/benches/prepare.py {{seed}} {{count}} target/benches {{minor}} {{kinds}} && python3 tests/known_truth.py target/release/bmv target/benches/*
 
 # the campaigns of other people's data in tests/real, from the files of their origins
 real building satellite:

@@ -2,7 +2,7 @@
 cells a node with a loss that is a little nonlinear, a room that is not quite where it is logged, and one effect that the believed model lacks;
 beside it so many minor ones, each a quarter to two fifths as large.
 
-usage: prepare.py SEED COUNT FOLDER [MINOR], with NumPy
+usage: prepare.py SEED COUNT FOLDER [MINOR [KIND,...]], with NumPy; without KIND all but `shift`
 """
 
 import json
@@ -12,6 +12,8 @@ import sys
 import numpy as np
 
 KINDS = ["fan", "storage", "loss", "sun", "joule", "path", "dated-load", "dated-conductance", "lag", "dissipation", "sink", "nothing"]
+# Offsets in time, of one thermometer or of all, are asked for by name.
+SHIFT = "shift"
 NAMES = [["heater block", "plate", "case", "lid"], ["chip", "board", "frame", "cover"]]
 CELLS = 4
 STEFAN_BOLTZMANN = 5.670374419e-8
@@ -150,6 +152,9 @@ class Bench:
         """The size of a hidden effect that moves the temperatures by a target, as far as one does."""
         if kind == "lag":
             return self.time_constant * self.random.uniform(0.06, 0.2)
+        if kind == SHIFT:
+            self.of_all = self.random.random() < 0.5
+            return self.time_constant * self.random.choice([-1, 1]) * np.exp(self.random.uniform(np.log(0.07), np.log(0.5)))
         if kind == "offset":
             return target
         if kind not in SIZES:
@@ -203,6 +208,7 @@ class Bench:
             "dated-load": of(["dated-load"], [at]),
             "dated-conductance": of(["dated-conductance"], []),
             "lag": of(["sensor-lag"], [at]),
+            SHIFT: of(["time-offset", "sensor-clock", "sensor-lag"], ["all thermometers" if self.of_all else at]),
             "dissipation": of(["dissipation-temperature"], ["heater"]),
             "sink": of(["sink-offset"], ["room"]),
             "offset": of(["sensor-bias"], [at]),
@@ -215,8 +221,10 @@ class Bench:
         hidden = {self.kind: (self.size(self.kind, self.at, target), self.at)}
         hidden |= {kind: (self.size(kind, at, target * random.uniform(0.25, 0.4)), at) for kind, at in self.minor}
         seen = [n for n in range(self.count) if random.random() < 0.8] or [self.count - 1]
-        if self.kind == "lag" and self.at not in seen:
+        if self.kind in ("lag", SHIFT) and self.at not in seen:
             self.at = seen[0]
+            hidden[self.kind] = (hidden[self.kind][0], self.at)
+        self.of_all = self.kind == SHIFT and self.of_all and len(seen) > 1
         size, offset = hidden[self.kind][0], hidden.get("offset", (0.0, None))
         noise, resolution = random.uniform(0.02, 0.15), random.choice([0, 0.0625, 0.1, 0.25])
         spots = random.integers(CELLS, size=self.count)
@@ -225,17 +233,21 @@ class Bench:
         for number, record in enumerate(self.records, 1):
             times, inputs, _ = record
             course = self.simulate(record, hidden)
+            # What happens after the last row is not known.
+            rows = len(times) - (int(np.ceil(max(0, size) / times[1])) if self.kind == SHIFT else 0)
             columns = {"time": times} | inputs
             for node in seen:
                 reading = course[:, CELLS * node + spots[node]].copy()
                 if self.kind == "lag" and node == self.at:
                     for row in range(1, len(times)):
                         reading[row] = reading[row - 1] + (1 - np.exp(-(times[1] - times[0]) / size)) * (reading[row] - reading[row - 1])
+                if self.kind == SHIFT and (self.of_all or node == self.at):
+                    reading = np.interp(times + size, times, reading)
                 reading += offset[0] if node == offset[1] else 0
                 reading += noise * random.normal(size=len(times))
                 columns[self.names[node]] = np.round(reading / resolution) * resolution if resolution else reading
             lines = [",".join(f"{name} [{UNITS.get(name, 'degC')}]" for name in columns)]
-            lines += [",".join(f"{column[row]:.6g}" for column in columns.values()) for row in range(len(times))]
+            lines += [",".join(f"{column[row]:.6g}" for column in columns.values()) for row in range(rows)]
             (folder / "data" / f"run {number}.csv").write_text("\n".join(lines) + "\n")
             unknown = lambda median, unit: {"prior": {"lognormal": {"median": float(f"{median:.2g}"), "factor": 3}}, "unit": unit}
             sensors = {self.names[n]: {"measures": self.names[n], "sigma": unknown(0.5, "K"), "correlation_time": unknown(10 * times[1], "s")} for n in seen}
@@ -249,9 +261,10 @@ class Bench:
             (folder / f"{name}.json").write_text(json.dumps(content, indent=1))
 
 
-if len(sys.argv) not in (4, 5):
+if len(sys.argv) not in (4, 5, 6):
     sys.exit(__doc__)
-minor = int(sys.argv[4]) if len(sys.argv) == 5 else 0
+minor = int(sys.argv[4]) if len(sys.argv) > 4 else 0
+kinds = sys.argv[5].split(",") if len(sys.argv) > 5 else KINDS[: len(KINDS) - (minor > 0)]
 for case in range(int(sys.argv[2])):
-    kind = KINDS[case % (len(KINDS) - (minor > 0))]
+    kind = kinds[case % len(kinds)]
     Bench(np.random.default_rng([int(sys.argv[1]), case]), kind, minor).write(pathlib.Path(sys.argv[3]) / f"{case:03d}-{kind}")
