@@ -120,7 +120,7 @@ fn panel() -> Problem {
         sigma: Some(Uncertain::Known(0.3)),
         bias: None,
         lag_s: None,
-        behind_s: None,
+        behind_s: Vec::new(),
         correlation_time_s: None,
         white: None,
     });

@@ -224,21 +224,17 @@ fn a_start_that_nothing_can_have_is_refused() {
 }
 
 #[test]
-fn a_clock_that_is_off_is_adopted_once() {
+fn an_adopted_offset_in_time_adds_to_what_is_declared() {
     let study = Study::transient();
-    let entry = r#""late": {"effect": {"time-offset": {"where": "box", "parameters": {"shift": {"unit": "min", "nominal": -2}}}}, "because": "two loggers"}"#;
+    let declared = r#""sensors": {"box": {"clock_behind": {"value": 1, "unit": "min"}, "#;
+    study.edit("pass-1.json", r#""sensors": {"box": {"#, declared);
+    let entry = r#""late": {"effect": {"time-offset": {"where": "box", "parameters": {"shift": {"unit": "min", "nominal": -3}}}}, "because": "two loggers"}"#;
     let pass = adopting(&study, entry);
-    let behind = parameter(&pass, "late.shift");
-    assert_eq!(pass.measurements[0].sensors[0].behind_s, Some(Uncertain::Parameter { index: behind, nominal: -120.0 }));
-    // What was declared of the sensor would be lost.
-    study.edit(
-        "pass-1.json",
-        r#""sensors": {"box": {"#,
-        r#""sensors": {"box": {"clock_behind": {"value": 1, "unit": "h"}, "#,
-    );
-    let said = study.said("pass-1.json");
-    assert!(said.contains("the sensor `box` of `balance` has a clock that is off already"), "{said}");
-    assert!(said.contains("a sensor without `clock_behind`"), "{said}");
+    let index = parameter(&pass, "late.shift");
+    let sensor = &pass.measurements[0].sensors[0];
+    assert_eq!(sensor.behind_s, [Uncertain::Known(60.0), Uncertain::Parameter { index, nominal: -180.0 }]);
+    let parameters: Vec<f64> = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();
+    assert_eq!(sensor.timing(&parameters).behind_s, -120.0);
 }
 
 #[test]

@@ -230,6 +230,33 @@ fn a_measured_start_is_fitted_about_the_first_readings() {
     assert_eq!(start(r#"{"others_sd": 0}"#).1, [0, 1, 3]);
 }
 
+/// The box reads 32, 31, 30.5 and 30 degC in rows a minute apart.
+#[test]
+fn a_clock_that_is_off_moves_the_first_readings() {
+    let loaded = |minutes: f64| {
+        let study = transient(r#"{"measured": {}}"#, FAR);
+        let clock = format!(r#""measures": "box", "clock_behind": {{"value": {minutes}, "unit": "min"}}, "#);
+        study.edit("pass-1.json", r#""measures": "box", "sigma""#, &format!(r#"{clock}"sigma""#));
+        let start = match initial(&study) {
+            Initial::Temperatures { values, .. } => fitted(&values[2]),
+            other => panic!("{other:?}"),
+        };
+        let readings = study.load().measurements[0].readings.iter().map(Option::is_some).collect::<Vec<bool>>();
+        (start, readings)
+    };
+    let near = |found: (f64, f64), mean: f64, sd: f64| {
+        assert!((found.0 - mean).abs() < 1e-9 && (found.1 - sd).abs() < 1e-9, "{found:?}, not {mean} {sd}");
+    };
+    // Ahead by a minute: the second row shows the start, the first what was before it.
+    let (start, readings) = loaded(-1.0);
+    near(start, 31.0, 0.5);
+    assert_eq!(readings, [false, true, true, true]);
+    // Behind by a minute: the first row shows the second minute, and the box moves by 1 K within the next.
+    let (start, readings) = loaded(1.0);
+    near(start, 32.0, 1.25_f64.sqrt());
+    assert_eq!(readings, [true, true, true, false]);
+}
+
 #[test]
 fn many_starts_without_a_reading_are_fitted_where_a_spread_is_stated() {
     let study = |settings: &str| {

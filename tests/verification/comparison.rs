@@ -31,7 +31,7 @@ fn sensor(name: &str, quantity: usize, sigma: f64) -> Sensor {
         sigma: Some(Uncertain::Known(sigma)),
         bias: None,
         lag_s: None,
-        behind_s: None,
+        behind_s: Vec::new(),
         correlation_time_s: None,
         white: None,
     }

@@ -230,12 +230,39 @@ fn all_that_can_be_inferred_of_data_has_a_name_and_an_exact_gradient() {
     check_gradient(&target, &at, 1e-4, 2e-3);
 }
 
-/// A clock shows rows beyond the last that is used, and its derivative is exact where it meets no row.
+/// The value at a clock that is behind by so much, with all rows and with those that are used.
+fn with_clock(behind_s: f64) -> [f64; 2] {
+    let (model, mut measurements) = bench();
+    measurements[0].sensors[0].behind_s = vec![Uncertain::Known(behind_s)];
+    let at = [0.022, 20.0, 0.3, 20.0, 8.0, 0.2, 0.15, 0.3, 30.0, 293.0, 0.4, 0.25];
+    let whole = bench_likelihood(&model, &measurements);
+    let used = 60;
+    let Rows::Transient { inputs, held_out, ignored, .. } = &mut measurements[0].rows else { panic!("a transient") };
+    inputs.times_s.truncate(used);
+    inputs.columns.iter_mut().for_each(|column| column.values.truncate(used));
+    held_out.truncate(used);
+    ignored.truncate(used);
+    measurements[0].readings.truncate(2 * used);
+    let cut = bench_likelihood(&model, &measurements);
+    [&whole, &cut].map(|target| target.log_likelihood(&at, &mut target.workspace()).unwrap())
+}
+
+#[test]
+fn a_clock_that_is_behind_shows_rows_beyond_the_last_that_is_used() {
+    for behind_s in [-23.1, 0.0] {
+        let [whole, cut] = with_clock(behind_s);
+        assert!((whole - cut).abs() < 1e-4, "{behind_s}: {whole} {cut}");
+    }
+    let [whole, cut] = with_clock(23.1);
+    assert!((whole - cut).abs() > 0.01, "{whole} {cut}");
+}
+
+/// Its derivative is exact where it meets no row.
 #[test]
 fn the_time_of_a_clock_has_an_exact_gradient() {
     let (model, mut measurements) = bench();
     let uniform = |lower: f64, upper: f64| Uncertain::Inferred(Distribution::Uniform { lower, upper });
-    measurements[0].sensors[0].behind_s = Some(uniform(-60.0, 60.0));
+    measurements[0].sensors[0].behind_s = vec![uniform(-60.0, 60.0)];
     let target = bench_likelihood(&model, &measurements);
     assert_eq!(target.names()[5], "bench.one.clock_behind");
     for behind_s in [-17.3, 0.4, 23.1] {

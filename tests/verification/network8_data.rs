@@ -114,7 +114,7 @@ pub fn sensor(name: &str, quantity: usize, sigma: Uncertain) -> Sensor {
         sigma: Some(sigma),
         bias: None,
         lag_s: None,
-        behind_s: None,
+        behind_s: Vec::new(),
         correlation_time_s: None,
         white: None,
     }

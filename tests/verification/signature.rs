@@ -30,7 +30,7 @@ fn sensor(place: &SensorPlace, sigma: Uncertain) -> Sensor {
         sigma: Some(sigma),
         bias: None,
         lag_s: None,
-        behind_s: None,
+        behind_s: Vec::new(),
         correlation_time_s: None,
         white: None,
     }
@@ -292,12 +292,10 @@ fn steady_directions_are_the_slopes_of_each_effects_likelihood() {
     assert!(smooth > 200, "{smooth}");
 }
 
-/// What is tried at finite values is what the refitted model would predict there.
-#[test]
-fn probes_are_finite_differences() {
-    let problem = problem(vec![steady(&model()), transient(&model())], vec![]);
-    let (likelihood, at) = fit(&problem);
-    let (found, _) = directions(&problem, &likelihood, &at).unwrap();
+/// Compares what is tried at finite values with what the refitted model would predict there; the effects of those compared.
+fn compared_probes(problem: &Problem) -> Vec<String> {
+    let (likelihood, at) = fit(problem);
+    let (found, _) = directions(problem, &likelihood, &at).unwrap();
     let mut base = vec![0.0; likelihood.residual_count()];
     likelihood.residuals(&at, &mut likelihood.workspace(), &mut base).unwrap();
     let mut seen = Vec::new();
@@ -307,7 +305,7 @@ fn probes_are_finite_differences() {
             continue;
         }
         seen.push(candidate.effect.clone());
-        let own = Own::new(&problem, direction.candidate, &likelihood, &at);
+        let own = Own::new(problem, direction.candidate, &likelihood, &at);
         let residuals = own.residuals(&direction.probe);
         let largest = direction.columns.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         for row in 0..base.len() {
@@ -318,8 +316,35 @@ fn probes_are_finite_differences() {
         assert!(direction.columns[base.len()..].iter().all(|value| *value == 0.0));
         assert_eq!((direction.lower[0], direction.upper[0], direction.plausible[0]), (0.0, f64::INFINITY, 1.0));
     }
+    seen
+}
+
+#[test]
+fn probes_are_finite_differences() {
+    let seen = compared_probes(&problem(vec![steady(&model()), transient(&model())], vec![]));
     for effect in ["hidden-node", "path-capacity", "heater-capacity", "cooler-contact", "sensor-lag", "thermal-mass"] {
         assert!(seen.iter().any(|own| own == effect), "{effect}: {seen:?}");
+    }
+}
+
+/// Clocks show rows that are held out, add to what is declared of a sensor, and need nothing of a run that is held out as a whole.
+#[test]
+fn probes_of_clocks_are_finite_differences_where_rows_are_held_out() {
+    let (mut own, mut unseen) = (transient(&model()), long(&model()));
+    own.sensors[2].behind_s = vec![Uncertain::Known(150.0)];
+    if let Rows::Transient { held_out, .. } = &mut own.rows {
+        held_out[17..].fill(true);
+    }
+    if let Rows::Transient { held_out, .. } = &mut unseen.rows {
+        held_out.fill(true);
+    }
+    let mut problem = problem(vec![own, unseen], vec![]);
+    problem.most_steps = vec![5000, 1];
+    let of_times = ["sensor-lag", "sensor-clock", "time-offset"];
+    Arc::make_mut(&mut problem.candidates).retain(|candidate| of_times.contains(&candidate.effect.as_str()));
+    let seen = compared_probes(&problem);
+    for effect in of_times {
+        assert!(seen.iter().filter(|own| *own == effect).count() > 2, "{effect}: {seen:?}");
     }
 }
 

@@ -42,7 +42,7 @@ const STEPS: usize = 10;
 /// whose error is below 5 mK, each with its own clock.
 fn diagnosed(faults: Faults) -> Output {
     let mut noise = StreamKey::new(5, "thermometers", "noise").stream(0);
-    let power_w = |second: usize| if second / 300 % 2 == 0 { 20.0 } else { 2.0 };
+    let power_w = |second: usize| if (second / 300).is_multiple_of(2) { 20.0 } else { 2.0 };
     let (mut state, mut read) = ([290.0_f64; 2], [290.0_f64; 2]);
     let mut course = vec![read];
     let step_s = 1.0 / STEPS as f64;

@@ -97,9 +97,9 @@ pub struct Sensor {
     pub bias: Option<Uncertain>,
     /// Time constant of the sensor, s.
     pub lag_s: Option<Uncertain>,
-    /// Time by which the clock of its rows is behind that of the inputs, s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub behind_s: Option<Uncertain>,
+    /// Times by which the clock of its rows is behind that of the inputs, s: what is declared and what effects add; their sum counts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub behind_s: Vec<Uncertain>,
     /// Correlation time of the noise, s; `None`: white.
     pub correlation_time_s: Option<Uncertain>,
     /// Standard deviation of white noise beside correlated noise, SI; `None`: none.
@@ -115,8 +115,8 @@ impl Sensor {
 
     /// When it shows what happens, at given parameters of the model.
     pub fn timing(&self, parameters: &[f64]) -> Timing {
-        let at = |value: &Option<Uncertain>| value.as_ref().map_or(0.0, |value| value.at(parameters));
-        Timing { lag_s: at(&self.lag_s), behind_s: at(&self.behind_s) }
+        let lag_s = self.lag_s.as_ref().map_or(0.0, |lag| lag.at(parameters));
+        Timing { lag_s, behind_s: self.behind_s.iter().map(|behind| behind.at(parameters)).sum() }
     }
 }
 
@@ -382,7 +382,7 @@ impl Measurement {
     }
 
     /// Changes what sensors read, as an effect on them does; `nominal` is the nominal value of a time that the effect gives, s. A
-    /// sensor that has such a time already gets the new one.
+    /// sensor that has a lag already gets the new one; times of clocks add up.
     pub fn change_sensors(&mut self, change: &SensorChange, nominal: f64) {
         match change {
             SensorChange::Reading { sensor, from, to } => {
@@ -399,7 +399,7 @@ impl Measurement {
             }
             SensorChange::Clock { sensor, parameter } => {
                 for matching in self.sensors.iter_mut().filter(|matching| matching.name == *sensor) {
-                    matching.behind_s = Some(Uncertain::Parameter { index: *parameter, nominal });
+                    matching.behind_s.push(Uncertain::Parameter { index: *parameter, nominal });
                 }
             }
             SensorChange::Swap { sensors: [a, b] } => {

@@ -119,12 +119,14 @@ pub fn with_unknowns(
             (&mut sensor.correlation_time_s, "correlation_time"),
             (&mut sensor.bias, "bias"),
             (&mut sensor.lag_s, "lag"),
-            (&mut sensor.behind_s, "clock_behind"),
         ];
         for (value, what) in entries {
             if let Some(value) = value {
                 set(value, sensor_name(&measurement.name, &sensor.name, what));
             }
+        }
+        for value in &mut sensor.behind_s {
+            set(value, sensor_name(&measurement.name, &sensor.name, "clock_behind"));
         }
     }
     let shifts: Vec<f64> = inputs.iter().map(|input| find(&bias_name(input)).unwrap_or(0.0)).collect();

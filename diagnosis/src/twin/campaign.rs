@@ -98,7 +98,7 @@ fn sensors(specification: &NetworkSpecification, model: &mut Model, draw: &mut D
             sigma: Some(Uncertain::Known(sigma)),
             bias: None,
             lag_s: None,
-            behind_s: None,
+            behind_s: Vec::new(),
             correlation_time_s: None,
             white: None,
         });

@@ -202,7 +202,7 @@ impl Job for Diagnose {
     }
 
     fn algorithm_version(&self) -> u32 {
-        70
+        71
     }
 
     fn identity(&self) -> Value {

@@ -101,9 +101,16 @@ fn sensors(report: &PassReport<'_>, measurement: &Measurement) -> Block {
     Block::Table(Table { caption: Text::new("Sensors of ").code(&measurement.name).plain("."), columns, rows })
 }
 
+/// By how much the clock of a sensor is behind.
+fn behind(sensor: &Sensor) -> String {
+    let inferred = sensor.behind_s.iter().find(|value| !matches!(value, Uncertain::Known(_)));
+    let known = Uncertain::Known(sensor.timing(&[]).behind_s);
+    seconds(inferred.or((!sensor.behind_s.is_empty()).then_some(&known)))
+}
+
 /// Whether the clock of some sensor is said to be off.
 fn has_clocks(measurement: &Measurement) -> bool {
-    measurement.sensors.iter().any(|sensor| sensor.behind_s.is_some())
+    measurement.sensors.iter().any(|sensor| !sensor.behind_s.is_empty())
 }
 
 fn sensor_row(report: &PassReport<'_>, measurement: &Measurement, position: usize, sensor: &Sensor) -> Vec<Cell> {
@@ -128,7 +135,7 @@ fn sensor_row(report: &PassReport<'_>, measurement: &Measurement, position: usiz
         if missing == 0 { Cell::from("0") } else { Cell::marked(missing.to_string(), Status::Caution) },
     ];
     if has_clocks(measurement) {
-        cells.push(seconds(sensor.behind_s.as_ref()).into());
+        cells.push(behind(sensor).into());
     }
     cells
 }

@@ -373,19 +373,11 @@ fn add_switch(scope: &mut Scope, name: &str) -> usize {
 /// Changes the sensors of a measurement.
 fn change_sensors(scope: &mut Scope, measurement: &mut Measurement, change: &SensorChange, place: &Place) {
     let nominal = change.time().map_or(0.0, |parameter| scope.resolved.model.parameters[parameter].nominal);
-    let of = |name: &str| measurement.sensors.iter().find(|own| own.name == *name);
-    let declared = match change {
-        SensorChange::Lag { sensor, .. } => {
-            of(sensor).filter(|own| own.lag_s.is_some()).map(|own| (own, "a lag", "lag"))
-        }
-        SensorChange::Clock { sensor, .. } => {
-            of(sensor).filter(|own| own.behind_s.is_some()).map(|own| (own, "a clock that is off", "clock_behind"))
-        }
-        SensorChange::Reading { .. } | SensorChange::Swap { .. } => None,
-    };
-    if let Some((sensor, what, key)) = declared {
-        let message = format!("the sensor `{}` of `{}` has {what} already", sensor.name, measurement.name);
-        scope.error(&code::EFFECT_PLACE, place, message, &format!("a sensor without `{key}`"));
+    if let SensorChange::Lag { sensor, .. } = change
+        && measurement.sensors.iter().any(|declared| declared.name == *sensor && declared.lag_s.is_some())
+    {
+        let message = format!("the sensor `{sensor}` of `{}` has a lag already", measurement.name);
+        scope.error(&code::EFFECT_PLACE, place, message, "a sensor without `lag`");
     }
     measurement.change_sensors(change, nominal);
 }

@@ -9,6 +9,7 @@ use crate::study::pass::measurement::{InitialForm, MeasuredStartForm, OtherNodes
 use crate::study::pass::uncertain::UncertainForm;
 use crate::thermal::{Network, NodeKind, isolated_nodes_beside};
 
+use super::clocks;
 use super::parts::belongs_to;
 use super::plausible::short;
 use super::scope::Scope;
@@ -220,7 +221,8 @@ fn readings(
             Some(sigma) => root_of_squares(&[sigma, nominal(&sensor.white).unwrap_or(0.0)]),
             None => UNSTATED_SIGMA_K,
         };
-        let sd = root_of_squares(&[START_SIGMAS * sigma, bias_sd, moved]);
+        let unknown = clocks::unknown_at_start(first.times_s, sensors, first.readings, position);
+        let sd = root_of_squares(&[START_SIGMAS * sigma, bias_sd, moved, unknown]);
         let (mean, count, widest) = &mut means[node];
         *count += 1.0;
         *mean += (reading - *mean) / *count;
@@ -392,6 +394,10 @@ pub fn compare(
     for (position, sensor) in sensors.iter().enumerate() {
         let Some(node) = stored_node(scope, sensor) else { continue };
         if !matches!(scope.resolved.model.nodes[node].kind, NodeKind::Diffusion { .. }) {
+            continue;
+        }
+        // What a clock that is behind shows first is no start.
+        if clocks::is_behind(sensor) {
             continue;
         }
         let Some(reading) = first.at_start(position, sensors.len()) else { continue };

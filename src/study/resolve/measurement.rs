@@ -77,7 +77,7 @@ pub fn sensors<'a>(
         let sigma = value(&form.sigma, dimension, true);
         let bias = value(&form.bias, dimension, false);
         let lag_s = value(&form.lag, Dimension::TIME, true);
-        let behind_s = value(&form.clock_behind, Dimension::TIME, false);
+        let behind_s = value(&form.clock_behind, Dimension::TIME, false).into_iter().collect();
         let correlation_time_s = value(&form.correlation_time, Dimension::TIME, true);
         let white = value(&form.white, dimension, true);
         if let Some(NameOr::Name(reason)) = ignore.get(&entry.name).map(|entry| &entry.value) {

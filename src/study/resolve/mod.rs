@@ -6,6 +6,7 @@ mod adopt_parameter;
 mod adopt_place;
 pub mod changes;
 pub mod chosen;
+mod clocks;
 pub mod data;
 pub mod design_variable;
 mod drift;

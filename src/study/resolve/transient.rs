@@ -9,6 +9,7 @@ use crate::study::pinned::Pinned;
 use crate::study::resolved::IgnoredSensor;
 use crate::study::table::separator;
 
+use super::clocks;
 use super::data::{Layout, columns, data, pin};
 use super::gaps;
 use super::initial::{self, FirstRows, Stated};
@@ -90,7 +91,8 @@ pub fn transient(
         let name = part_name(&entry.name, part);
         let times_s = times_s[rows.clone()].to_vec();
         let ignored = ignored[rows.clone()].to_vec();
-        let readings = readings[rows.start * sensors.len()..rows.end * sensors.len()].to_vec();
+        let mut readings = readings[rows.start * sensors.len()..rows.end * sensors.len()].to_vec();
+        clocks::leave_out_unknown(&times_s, &sensors, &mut readings);
         let columns_of_part = table_columns.iter().map(|column| {
             let values = column.values[rows.clone()].to_vec();
             InputColumn { input: column.input, values, hold: column.hold }
@@ -102,8 +104,8 @@ pub fn transient(
                 *slot = *value;
             }
         }
-        let first =
-            FirstRows { inputs: &first_inputs, times_s: &table.times_s, ignored: &ignored, readings: &readings };
+        let shown = clocks::by_time_of_inputs(&table.times_s, &sensors, &readings);
+        let first = FirstRows { inputs: &first_inputs, times_s: &table.times_s, ignored: &ignored, readings: &shown };
         if part > 0 && first.are_all_ignored() {
             continue;
         }

@@ -149,13 +149,13 @@ fn sensors(
         let unit = &model.quantities[quantity].unit;
         let names = |what: &str| sensor_name(&measurement.name, &sensor.name, what);
         let used = (0..measurement.len()).any(|row| is_used(measurement, row, place));
-        let mut value = |written: &Option<Uncertain>, what: &str, unit: &str| -> Option<Value> {
+        let mut value = |written: Option<&Uncertain>, what: &str, unit: &str| -> Option<Value> {
             // Nothing is asked of a sensor without a reading to fit.
-            let written = written.as_ref()?;
+            let written = written?;
             let fixed = Value::Known(written.at(parameters));
             Some(if used { unknowns.add(names(what), written, unit, parameters) } else { fixed })
         };
-        let sigma = value(&sensor.sigma, "sigma", unit);
+        let sigma = value(sensor.sigma.as_ref(), "sigma", unit);
         let Some(sigma) = sigma.or_else(|| (!used).then_some(Value::Known(1.0))) else {
             let (measurement, sensor) = (measurement.name.clone(), sensor.name.clone());
             return Err(LikelihoodError::NoSigma { measurement, sensor });
@@ -166,13 +166,13 @@ fn sensors(
             let (measurement, sensor) = (measurement.name.clone(), sensor.name.clone());
             return Err(LikelihoodError::Sigma { measurement, sensor, value: sd });
         }
-        let white = value(&sensor.white, "white", unit);
-        let bias = value(&sensor.bias, "bias", unit);
-        let (mut correlation_time_s, mut lag_s, mut behind_s) = (None, None, None);
+        let white = value(sensor.white.as_ref(), "white", unit);
+        let bias = value(sensor.bias.as_ref(), "bias", unit);
+        let (mut correlation_time_s, mut lag_s, mut behind_s) = (None, None, Vec::new());
         if over_time {
-            correlation_time_s = value(&sensor.correlation_time_s, "correlation_time", "s");
-            lag_s = value(&sensor.lag_s, "lag", "s");
-            behind_s = value(&sensor.behind_s, "clock_behind", "s");
+            correlation_time_s = value(sensor.correlation_time_s.as_ref(), "correlation_time", "s");
+            lag_s = value(sensor.lag_s.as_ref(), "lag", "s");
+            behind_s = sensor.behind_s.iter().filter_map(|one| value(Some(one), "clock_behind", "s")).collect();
         }
         parts.push(SensorPart { quantity, noise: Noise { sigma, correlation_time_s, white }, bias, lag_s, behind_s });
     }

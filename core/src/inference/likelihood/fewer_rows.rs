@@ -27,10 +27,10 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Derivatives at rows with these instants, s; `None` where the kept rows do not span them.
-    pub fn new(fewer: FewerRows, times_s: &[f64]) -> Option<Self> {
+    /// Derivatives at rows with these instants, s, beyond the last kept row as there; `None` where the kept rows do not span so many rows.
+    pub fn new(fewer: FewerRows, times_s: &[f64], spanned: usize) -> Option<Self> {
         let rows = &fewer.rows;
-        if rows.len() < 2 || rows.len() != fewer.inputs.times_s.len() || rows.last()? + 1 < times_s.len() {
+        if rows.len() < 2 || rows.len() != fewer.inputs.times_s.len() || rows.last()? + 1 < spanned {
             return None;
         }
         let place = |row: usize| {

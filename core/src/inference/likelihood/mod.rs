@@ -135,20 +135,21 @@ pub struct Datum {
 }
 
 /// A sensor as the likelihood sees it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct SensorPart {
     quantity: usize,
     noise: Noise,
     bias: Option<Value>,
     lag_s: Option<Value>,
-    behind_s: Option<Value>,
+    /// Their sum counts.
+    behind_s: Vec<Value>,
 }
 
 impl SensorPart {
     /// When it shows what happens.
     fn timing(&self, unknowns: &[f64]) -> Timing {
-        let at = |value: Option<Value>| value.map_or(0.0, |value| value.at(unknowns));
-        Timing { lag_s: at(self.lag_s), behind_s: at(self.behind_s) }
+        let lag_s = self.lag_s.map_or(0.0, |lag| lag.at(unknowns));
+        Timing { lag_s, behind_s: self.behind_s.iter().map(|behind| behind.at(unknowns)).sum() }
     }
 }
 

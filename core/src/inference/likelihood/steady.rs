@@ -106,7 +106,8 @@ impl SteadyPart {
     pub fn set_input_errors(&mut self, errors: &InputErrors, parameters: &[f64]) -> Result<(), LikelihoodError> {
         let mut workspace = errors.workspace(parameters);
         for phase in &mut self.phases {
-            let sensors: Vec<SensorPart> = phase.readings.iter().map(|&(sensor, _)| self.sensors[sensor]).collect();
+            let sensors: Vec<SensorPart> =
+                phase.readings.iter().map(|&(sensor, _)| self.sensors[sensor].clone()).collect();
             let Some(covariance) = errors.covariance(&mut workspace, &phase.inputs, &sensors) else {
                 let (measurement, phase) = (self.name.clone(), phase.name.clone());
                 return Err(LikelihoodError::Covariance { measurement, phase });

@@ -25,7 +25,9 @@ pub(super) struct TransientPart {
     sensors: Vec<SensorPart>,
     /// Readings of each sensor.
     readings: Vec<Readings>,
-    /// Rows from the first to the last that is used; all where a clock is off, as it may show later ones.
+    /// Rows from the first to the last that is used.
+    used: usize,
+    /// Rows that are integrated: those, or all where a clock may be off and show later ones.
     rows: usize,
     /// Where derivatives are found on fewer rows.
     drawn: Option<Box<Drawn>>,
@@ -93,7 +95,7 @@ impl TransientPart {
             Rows::Steady(_) => (InputTable::default(), Begin::Steady),
         };
         let mut readings = Vec::new();
-        let mut rows = 0;
+        let mut used = 0;
         for sensor in 0..sensors.len() {
             let mut sensor_readings = Readings { first: data.len(), rows: vec![], times_s: vec![], values: vec![] };
             for row in (0..measurement.len()).filter(|&row| is_used(measurement, row, sensor)) {
@@ -102,21 +104,20 @@ impl TransientPart {
                     sensor_readings.times_s.push(inputs.times_s[row]);
                     sensor_readings.values.push(value);
                     data.push(Datum { measurement: index, row, sensor });
-                    rows = rows.max(row + 1);
+                    used = used.max(row + 1);
                 }
             }
             readings.push(sensor_readings);
         }
-        if rows > 0 && sensors.iter().any(|sensor| sensor.behind_s.is_some()) {
-            rows = measurement.len();
-        }
-        Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, rows, drawn: None }
+        let shows_later = sensors.iter().any(|sensor| !sensor.behind_s.is_empty());
+        let rows = if used > 0 && shows_later { measurement.len() } else { used };
+        Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, used, rows, drawn: None }
     }
 
     /// Finds derivatives on fewer rows, if they are those of this measurement.
     pub fn find_slopes_on(&mut self, fewer: &[Option<FewerRows>]) {
         let own = fewer.get(self.index).cloned().flatten();
-        self.drawn = own.and_then(|own| Drawn::new(own, &self.inputs.times_s[..self.rows])).map(Box::new);
+        self.drawn = own.and_then(|own| Drawn::new(own, &self.inputs.times_s[..self.rows], self.used)).map(Box::new);
     }
 
     /// Positions of its residuals.
@@ -210,9 +211,10 @@ impl TransientPart {
                         jacobian[position * n + place] = -column_values[row];
                     }
                 }
-                let of_timing = [(sensor.lag_s, &timing_slopes.by_lag), (sensor.behind_s, &timing_slopes.by_behind)];
-                for (value, slope) in of_timing {
-                    let Some(place) = value.and_then(|value| value.place()) else { continue };
+                let by_lag = sensor.lag_s.iter().map(|value| (value, &timing_slopes.by_lag));
+                let by_behind = sensor.behind_s.iter().map(|value| (value, &timing_slopes.by_behind));
+                for (value, slope) in by_lag.chain(by_behind) {
+                    let Some(place) = value.place() else { continue };
                     for (position, &row) in readings.rows.iter().enumerate() {
                         jacobian[position * n + place] -= slope[row];
                     }
@@ -284,7 +286,9 @@ impl TransientPart {
         request.options.absolute_tolerance_k *= course.tolerance;
         // What is wanted roughly is wanted so with its derivatives.
         request.options.coarse_derivatives = course.tolerance > 1.0;
-        let limit = likelihood.most_steps.get(self.index).copied();
+        // It is that of the rows which are used.
+        let more = self.rows.div_ceil(self.used.max(1)) as u64;
+        let limit = likelihood.most_steps.get(self.index).map(|most| most.saturating_mul(more));
         request.options.most_steps = limit.unwrap_or(request.options.most_steps);
         network.solve_transient(&request).map_err(|error| match (&error, limit) {
             (TransientError::TooManySteps { .. }, Some(_)) => Rejected {
@@ -323,10 +327,10 @@ impl TransientPart {
             Begin::Steady => true,
             Begin::Temperatures { .. } | Begin::Periodic => return Ok(None),
         };
-        let wanted = Wanted { temperatures: true, ..self.whole(likelihood, false) };
+        let wanted = Wanted { temperatures: true, rows: self.used, ..self.whole(likelihood, false) };
         let temperatures = self.solve(likelihood, unknowns, parameters, &wanted)?.temperatures;
         let inputs = moved(likelihood, unknowns, &self.inputs).unwrap_or_else(|| self.inputs.clone());
-        Ok(Some(Known { inputs, rows: self.rows, from_steady, temperatures }))
+        Ok(Some(Known { inputs, rows: self.used, from_steady, temperatures }))
     }
 
     /// Its sensors at given unknowns.

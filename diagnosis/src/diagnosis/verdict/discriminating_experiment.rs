@@ -239,7 +239,7 @@ fn template(findings: &Findings<'_>) -> Option<Measurement> {
         let total = wrong.unwrap_or_else(|| sensor.total_sd());
         sensor.sigma = Some(crate::measurement::Uncertain::Known(total));
         sensor.lag_s = None;
-        sensor.behind_s = None;
+        sensor.behind_s.clear();
         sensor.correlation_time_s = None;
         sensor.white = None;
     }

@@ -146,7 +146,9 @@ fn judge(
     let predictions = |instants: &[f64]| -> Option<Vec<(Measurement, Prediction)>> {
         let of = |(rival, parameters): (&&Rival<'_>, &Vec<f64>)| {
             let predictor = Predictor::new(&rival.problem.model, &[]).ok()?;
-            let measurement = stepped(problem, rival, template, step, instants)?;
+            let mut measurement = stepped(problem, rival, template, step, instants)?;
+            // Time constants and limits are those of what happens, whenever a clock shows it.
+            measurement.sensors.iter_mut().for_each(|sensor| sensor.behind_s.clear());
             let prediction = predictor.predict(&mut predictor.workspace(), &measurement, parameters);
             Some((measurement, prediction))
         };

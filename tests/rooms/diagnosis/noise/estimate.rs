@@ -23,7 +23,7 @@ fn measurement(rows: usize, step_s: f64, sigma: Option<f64>) -> Measurement {
             sigma: sigma.map(Uncertain::Known),
             bias: None,
             lag_s: None,
-            behind_s: None,
+            behind_s: Vec::new(),
             correlation_time_s: None,
             white: None,
         }],

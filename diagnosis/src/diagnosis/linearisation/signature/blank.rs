@@ -25,13 +25,16 @@ pub(super) fn blank(measurement: &Measurement) -> Measurement {
     blank
 }
 
-/// A blank measurement of which all rows are fitted, and whose sensors show what happens when it does.
+/// A blank measurement of which all rows are fitted, where some are, and whose sensors show what happens when it does.
 pub(super) fn blank_truth(measurement: &Measurement) -> Measurement {
     let mut blank = blank(measurement);
     for sensor in &mut blank.sensors {
-        (sensor.lag_s, sensor.behind_s) = (None, None);
+        sensor.lag_s = None;
+        sensor.behind_s.clear();
     }
-    if let Rows::Transient { held_out, ignored, .. } = &mut blank.rows {
+    if last_fitted(measurement).is_some()
+        && let Rows::Transient { held_out, ignored, .. } = &mut blank.rows
+    {
         blank.readings.fill(Some(0.0));
         held_out.fill(false);
         ignored.fill(None);
@@ -53,7 +56,8 @@ pub(super) fn predictions(base: &Base<'_>, blank: Vec<Measurement>) -> Result<Pr
         input_errors: &input_errors,
     };
     let likelihood = Likelihood::new(&definition)?;
-    let likelihood = problem.informed(likelihood, &problem.most_steps);
+    // There may be more rows than those that are fitted.
+    let likelihood = problem.informed(likelihood, &[]);
     let mut residuals = vec![0.0; likelihood.residual_count()];
     likelihood.residuals(&base.carried(&likelihood), &mut likelihood.workspace(), &mut residuals)?;
     let mut predictions: Vec<Vec<f64>> =

@@ -1,0 +1,76 @@
+//! Readings of sensors whose declared clocks are off, by the time of the inputs.
+
+use std::borrow::Cow;
+
+use crate::measurement::{Sensor, Uncertain};
+
+/// By how much the clock of a sensor is behind, s: known, or the most probable.
+fn behind_s(sensor: &Sensor) -> f64 {
+    sensor.behind_s.iter().map(Uncertain::nominal).sum()
+}
+
+/// Whether the clock of a sensor is behind, by the most probable time: it shows nothing of the start.
+pub fn is_behind(sensor: &Sensor) -> bool {
+    behind_s(sensor) > 0.0
+}
+
+/// Leaves out readings that show what happens before the first row or after the last, by clocks that are known to be off: no row says
+/// what the inputs were then.
+pub fn leave_out_unknown(times_s: &[f64], sensors: &[Sensor], readings: &mut [Option<f64>]) {
+    let (Some(first_s), Some(last_s)) = (times_s.first(), times_s.last()) else { return };
+    for (position, sensor) in sensors.iter().enumerate() {
+        let is_known = sensor.behind_s.iter().all(|value| matches!(value, Uncertain::Known(_)));
+        if !is_known || sensor.behind_s.is_empty() {
+            continue;
+        }
+        let behind_s = behind_s(sensor);
+        for (row, time_s) in times_s.iter().enumerate() {
+            if !(*first_s..=*last_s).contains(&(time_s + behind_s)) {
+                readings[row * sensors.len() + position] = None;
+            }
+        }
+    }
+}
+
+/// Readings by row of what happened at its time: of a sensor whose clock is off the one that shows the nearest instant, within half a
+/// row; where it shows nothing so early, its first.
+pub fn by_time_of_inputs<'r>(
+    times_s: &[f64],
+    sensors: &[Sensor],
+    readings: &'r [Option<f64>],
+) -> Cow<'r, [Option<f64>]> {
+    let mut shown = Cow::Borrowed(readings);
+    let (Some(first_s), Some(last_s)) = (times_s.first(), times_s.last()) else { return shown };
+    let half_row_s = 0.5 * (last_s - first_s) / (times_s.len() - 1).max(1) as f64;
+    for (position, sensor) in sensors.iter().enumerate() {
+        let behind_s = behind_s(sensor);
+        if behind_s == 0.0 {
+            continue;
+        }
+        let own = shown.to_mut();
+        for (row, time_s) in times_s.iter().enumerate() {
+            let after = times_s.partition_point(|other_s| other_s + behind_s < *time_s);
+            let away_s = |other: &usize| (times_s[*other] + behind_s - time_s).abs();
+            let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|&other| other < times_s.len());
+            let nearest = near.min_by(|a, b| away_s(a).total_cmp(&away_s(b)));
+            let is_shown = |other: &usize| away_s(other) <= half_row_s || (after == 0 && behind_s > 0.0);
+            let at = |other: usize| readings[other * sensors.len() + position];
+            own[row * sensors.len() + position] = nearest.filter(is_shown).and_then(at);
+        }
+    }
+    shown
+}
+
+/// By how much a sensor moves in the time by which its clock is behind, where its record begins: what is not known of the start. The
+/// readings are those by the time of the inputs.
+pub fn unknown_at_start(times_s: &[f64], sensors: &[Sensor], readings: &[Option<f64>], position: usize) -> f64 {
+    let behind_s = behind_s(&sensors[position]);
+    let Some(first_s) = times_s.first().filter(|_| behind_s > 0.0) else { return 0.0 };
+    let at = |row: usize| readings[row * sensors.len() + position];
+    let rows = (0..times_s.len()).filter(|&row| times_s[row] - first_s <= 2.0 * behind_s);
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for reading in rows.filter_map(at) {
+        (least, most) = (least.min(reading), most.max(reading));
+    }
+    (most - least).max(0.0)
+}
