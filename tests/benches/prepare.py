@@ -208,7 +208,7 @@ class Bench:
             "dated-load": of(["dated-load"], [at]),
             "dated-conductance": of(["dated-conductance"], []),
             "lag": of(["sensor-lag"], [at]),
-            SHIFT: of(["time-offset", "sensor-clock", "sensor-lag"], ["all thermometers" if self.of_all else at]),
+            SHIFT: of(["sensor-clock", "sensor-lag"], ["all thermometers" if self.of_all else at]),
             "dissipation": of(["dissipation-temperature"], ["heater"]),
             "sink": of(["sink-offset"], ["room"]),
             "offset": of(["sensor-bias"], [at]),

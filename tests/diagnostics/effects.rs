@@ -25,7 +25,7 @@ fn an_unknown_effect() {
      --> study/pass-1.json:8:35
       |
     8 |  "adopt": {"harness": {"effect": {"conductiv-path": {"where": ["box", "panel"]}},
-      |                                   ^^^^^^^^^^^^^^^^ one of `conductive-path`, `radiative-path`, `gas-conduction`, `convection`, `path-to-ambient`, `path-to-logged-temperature`, `radiation-to-ambient`, `free-convection`, `heat-load`, `input-proportional-load`, `joule-heating`, `product-load` and 41 more
+      |                                   ^^^^^^^^^^^^^^^^ one of `conductive-path`, `radiative-path`, `gas-conduction`, `convection`, `path-to-ambient`, `path-to-logged-temperature`, `radiation-to-ambient`, `free-convection`, `heat-load`, `input-proportional-load`, `joule-heating`, `product-load` and 40 more
       |
       = note: at $.adopt.harness.effect["conductiv-path"]
       = help: did you mean `conductive-path`?

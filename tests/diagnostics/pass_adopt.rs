@@ -228,9 +228,9 @@ fn an_adopted_offset_in_time_adds_to_what_is_declared() {
     let study = Study::transient();
     let declared = r#""sensors": {"box": {"clock_behind": {"value": 1, "unit": "min"}, "#;
     study.edit("pass-1.json", r#""sensors": {"box": {"#, declared);
-    let entry = r#""late": {"effect": {"time-offset": {"where": "box", "parameters": {"shift": {"unit": "min", "nominal": -3}}}}, "because": "two loggers"}"#;
+    let entry = r#""late": {"effect": {"sensor-clock": {"where": "box", "parameters": {"behind": {"unit": "min", "nominal": -3}}}}, "because": "two loggers"}"#;
     let pass = adopting(&study, entry);
-    let index = parameter(&pass, "late.shift");
+    let index = parameter(&pass, "late.behind");
     let sensor = &pass.measurements[0].sensors[0];
     assert_eq!(sensor.behind_s, [Uncertain::Known(60.0), Uncertain::Parameter { index, nominal: -180.0 }]);
     let parameters: Vec<f64> = pass.model.parameters.iter().map(|parameter| parameter.nominal).collect();

@@ -57,10 +57,10 @@ fn delayed(without: &str) -> Output {
 #[ignore = "thorough"]
 fn water_that_reaches_a_thermometer_late_is_an_offset_in_time() {
     let output = delayed("");
-    assert_eq!(output.selected, ["time-offset:T_out"], "{:?}", output.words);
-    let effect = output.effects.iter().find(|effect| effect.id == "time-offset:T_out").unwrap();
+    assert_eq!(output.selected, ["sensor-clock:T_out"], "{:?}", output.words);
+    let effect = output.effects.iter().find(|effect| effect.id == "sensor-clock:T_out").unwrap();
     // Rows are 8 s apart, and the model error lasts over nine of them.
-    let shift = &effect.amplitudes["shift"];
+    let shift = &effect.amplitudes["behind"];
     assert!((60.0 * shift.value + 90.0).abs() < 8.0, "{shift:?}");
     assert!(effect.probability > 0.9, "{}", effect.probability);
 }
@@ -68,7 +68,7 @@ fn water_that_reaches_a_thermometer_late_is_an_offset_in_time() {
 #[test]
 #[ignore = "thorough"]
 fn the_lag_of_a_thermometer_is_a_step_though_the_fitted_rows_want_more_what_fails_on_the_others() {
-    let output = delayed(r#""time-offset""#);
+    let output = delayed(r#""sensor-clock""#);
     assert_eq!(
         (output.verdict, output.selected.as_slice()),
         (Verdict::Ambiguous, &["sensor-lag:T_out".to_owned()][..])

@@ -55,7 +55,6 @@ const EMBEDDED: &[(&str, &str)] = &[
     ("sensor-gain", include_str!("catalogue/sensor-gain.json")),
     ("sensor-lag", include_str!("catalogue/sensor-lag.json")),
     ("sensor-clock", include_str!("catalogue/sensor-clock.json")),
-    ("time-offset", include_str!("catalogue/time-offset.json")),
     ("sensor-drift", include_str!("catalogue/sensor-drift.json")),
     ("dated-bias", include_str!("catalogue/dated-bias.json")),
     ("sensor-conduction", include_str!("catalogue/sensor-conduction.json")),
