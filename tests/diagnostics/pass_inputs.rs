@@ -251,6 +251,10 @@ fn a_clock_that_is_off_moves_the_first_readings() {
     let (start, readings) = loaded(-1.0);
     near(start, 31.0, 0.5);
     assert_eq!(readings, [false, true, true, true]);
+    // Ahead by less than half a row: the second row shows what is nearest to the start of all that is known.
+    let (start, readings) = loaded(-1.0 / 3.0);
+    near(start, 31.0, 0.5);
+    assert_eq!(readings, [false, true, true, true]);
     // Behind by a minute: the first row shows the second minute, and the box moves by 1 K within the next.
     let (start, readings) = loaded(1.0);
     near(start, 32.0, 1.25_f64.sqrt());

@@ -49,10 +49,15 @@ fn overview(measurement: &Measurement) -> Block {
             (format!("transient{span}, starting from {start}"), "Instants")
         }
     };
+    let of_clocks = if has_clocks(measurement) {
+        "; among them may be those that show, by a clock that is known to be off, what happened before the first row or after the last"
+    } else {
+        ""
+    };
     let missing_text = if missing == 0 {
         "none".to_owned()
     } else {
-        format!("{missing} of {}; skipped, not filled in", measurement.readings.len())
+        format!("{missing} of {}; skipped, not filled in{of_clocks}", measurement.readings.len())
     };
     Block::Definitions(vec![
         ("File".into(), Text::default().code(&measurement.file)),

@@ -9,6 +9,11 @@ fn behind_s(sensor: &Sensor) -> f64 {
     sensor.behind_s.iter().map(Uncertain::nominal).sum()
 }
 
+/// Whether the clock of a sensor is off, by the most probable time.
+pub fn is_off(sensor: &Sensor) -> bool {
+    behind_s(sensor) != 0.0
+}
+
 /// Whether the clock of a sensor is behind, by the most probable time: it shows nothing of the start.
 pub fn is_behind(sensor: &Sensor) -> bool {
     behind_s(sensor) > 0.0
@@ -32,33 +37,40 @@ pub fn leave_out_unknown(times_s: &[f64], sensors: &[Sensor], readings: &mut [Op
     }
 }
 
-/// Readings by row of what happened at its time: of a sensor whose clock is off the one that shows the nearest instant, within half a
-/// row; where it shows nothing so early, its first.
+/// Readings by row of what happened at its time: of a sensor whose clock is off the one that shows the nearest instant, if that is no
+/// farther than rows are from one another there; where it shows nothing so early, its first.
 pub fn by_time_of_inputs<'r>(
     times_s: &[f64],
     sensors: &[Sensor],
     readings: &'r [Option<f64>],
 ) -> Cow<'r, [Option<f64>]> {
     let mut shown = Cow::Borrowed(readings);
-    let (Some(first_s), Some(last_s)) = (times_s.first(), times_s.last()) else { return shown };
-    let half_row_s = 0.5 * (last_s - first_s) / (times_s.len() - 1).max(1) as f64;
     for (position, sensor) in sensors.iter().enumerate() {
         let behind_s = behind_s(sensor);
         if behind_s == 0.0 {
             continue;
         }
+        let read: Vec<(f64, f64)> = (times_s.iter().enumerate())
+            .filter_map(|(row, time_s)| Some((time_s + behind_s, readings[row * sensors.len() + position]?)))
+            .collect();
         let own = shown.to_mut();
         for (row, time_s) in times_s.iter().enumerate() {
-            let after = times_s.partition_point(|other_s| other_s + behind_s < *time_s);
-            let away_s = |other: &usize| (times_s[*other] + behind_s - time_s).abs();
-            let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter(|&other| other < times_s.len());
+            let after = read.partition_point(|(shown_s, _)| shown_s < time_s);
+            let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|at| read.get(at));
+            let away_s = |(shown_s, _): &(f64, f64)| (shown_s - time_s).abs();
             let nearest = near.min_by(|a, b| away_s(a).total_cmp(&away_s(b)));
-            let is_shown = |other: &usize| away_s(other) <= half_row_s || (after == 0 && behind_s > 0.0);
-            let at = |other: usize| readings[other * sensors.len() + position];
-            own[row * sensors.len() + position] = nearest.filter(is_shown).and_then(at);
+            let apart_s = apart(times_s, row);
+            let found = nearest.filter(|one| after == 0 || away_s(one) <= apart_s);
+            own[row * sensors.len() + position] = found.map(|(_, reading)| *reading);
         }
     }
     shown
+}
+
+/// How far a row is from the farther one beside it, s.
+fn apart(times_s: &[f64], row: usize) -> f64 {
+    let before = row.checked_sub(1).map_or(0.0, |other| times_s[row] - times_s[other]);
+    times_s.get(row + 1).map_or(before, |after| before.max(after - times_s[row]))
 }
 
 /// By how much a sensor moves in the time by which its clock is behind, where its record begins: what is not known of the start. The

@@ -106,7 +106,8 @@ pub fn transient(
         }
         let shown = clocks::by_time_of_inputs(&table.times_s, &sensors, &readings);
         let first = FirstRows { inputs: &first_inputs, times_s: &table.times_s, ignored: &ignored, readings: &shown };
-        if part > 0 && first.are_all_ignored() {
+        let shows_nothing = sensors.iter().any(clocks::is_off) && readings.iter().all(Option::is_none);
+        if part > 0 && (first.are_all_ignored() || shows_nothing) {
             continue;
         }
         let initial = match &stated {

@@ -109,8 +109,8 @@ impl TransientPart {
             }
             readings.push(sensor_readings);
         }
-        let shows_later = sensors.iter().any(|sensor| !sensor.behind_s.is_empty());
-        let rows = if used > 0 && shows_later { measurement.len() } else { used };
+        let shown = sensors.iter().zip(&readings).map(|(sensor, own)| last_shown(sensor, own, &inputs.times_s));
+        let rows = shown.fold(used, usize::max);
         Self { name: measurement.name.clone(), index, inputs, start, sensors, readings, used, rows, drawn: None }
     }
 
@@ -369,6 +369,20 @@ impl TransientPart {
             TransientError::NotPeriodic { .. } => "has no periodic state",
         };
         Rejected::new(format!("the transient `{}` {why}", self.name))
+    }
+}
+
+/// Rows up to the one that a sensor shows last in its readings: all where its clock is off by a time that is inferred.
+fn last_shown(sensor: &SensorPart, readings: &Readings, times_s: &[f64]) -> usize {
+    let Some(&last_s) = readings.times_s.last() else { return 0 };
+    if sensor.behind_s.iter().any(|behind| behind.place().is_some()) {
+        return times_s.len();
+    }
+    let behind_s = sensor.timing(&[]).behind_s;
+    if behind_s > 0.0 {
+        (times_s.partition_point(|time_s| *time_s < last_s + behind_s) + 1).min(times_s.len())
+    } else {
+        0
     }
 }
 

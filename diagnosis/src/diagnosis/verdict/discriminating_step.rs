@@ -12,7 +12,7 @@ use crate::diagnosis::verdict::tested::{self, Tested};
 use crate::math::functions::pow;
 use crate::math::sort::sort_by;
 use crate::measurement::prediction::{Prediction, Predictor};
-use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows};
+use crate::measurement::{Initial, InputColumn, InputTable, Measurement, Rows, Uncertain};
 use crate::thermal::{Clock, Model};
 use crate::watch;
 
@@ -265,6 +265,11 @@ fn stepped(
     let is_read = |sensor: usize| (0..template.len()).any(|row| template.reading(row, sensor).is_some());
     let read: Vec<bool> = (0..template.sensors.len()).map(is_read).collect();
     let readings = (0..rows).flat_map(|row| read.iter().map(move |&is_read| (is_read && row > 0).then_some(0.0)));
+    let mut sensors = changed.sensors.clone();
+    for sensor in &mut sensors {
+        // Clocks that are known to be off do so for all rivals.
+        sensor.behind_s.retain(|behind| !matches!(behind, Uncertain::Known(_)));
+    }
     Some(Measurement {
         rows: Rows::Transient {
             inputs: InputTable { times_s, columns, base },
@@ -272,7 +277,7 @@ fn stepped(
             held_out: vec![false; rows],
             ignored: vec![None; rows],
         },
-        sensors: changed.sensors.clone(),
+        sensors,
         readings: readings.collect(),
         follows_gap: false,
         ..template.clone()
