@@ -375,10 +375,11 @@ impl TransientPart {
 /// Rows up to the one that a sensor shows last in its readings: all where its clock is off by a time that is inferred.
 fn last_shown(sensor: &SensorPart, readings: &Readings, times_s: &[f64]) -> usize {
     let Some(&last_s) = readings.times_s.last() else { return 0 };
-    if sensor.behind_s.iter().any(|behind| behind.place().is_some()) {
-        return times_s.len();
+    let mut behind_s = 0.0;
+    for behind in &sensor.behind_s {
+        let Value::Known(known_s) = behind else { return times_s.len() };
+        behind_s += known_s;
     }
-    let behind_s = sensor.timing(&[]).behind_s;
     if behind_s > 0.0 {
         (times_s.partition_point(|time_s| *time_s < last_s + behind_s) + 1).min(times_s.len())
     } else {
