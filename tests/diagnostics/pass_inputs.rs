@@ -233,9 +233,9 @@ fn a_measured_start_is_fitted_about_the_first_readings() {
 /// The box reads 32, 31, 30.5 and 30 degC in rows a minute apart.
 #[test]
 fn a_clock_that_is_off_moves_the_first_readings() {
-    let loaded = |minutes: f64| {
+    let with = |clock: &str| {
         let study = transient(r#"{"measured": {}}"#, FAR);
-        let clock = format!(r#""measures": "box", "clock_behind": {{"value": {minutes}, "unit": "min"}}, "#);
+        let clock = format!(r#""measures": "box", "clock_behind": {{{clock}, "unit": "min"}}, "#);
         study.edit("pass-1.json", r#""measures": "box", "sigma""#, &format!(r#"{clock}"sigma""#));
         let start = match initial(&study) {
             Initial::Temperatures { values, .. } => fitted(&values[2]),
@@ -244,6 +244,7 @@ fn a_clock_that_is_off_moves_the_first_readings() {
         let readings = study.load().measurements[0].readings.iter().map(Option::is_some).collect::<Vec<bool>>();
         (start, readings)
     };
+    let loaded = |minutes: f64| with(&format!(r#""value": {minutes}"#));
     let near = |found: (f64, f64), mean: f64, sd: f64| {
         assert!((found.0 - mean).abs() < 1e-9 && (found.1 - sd).abs() < 1e-9, "{found:?}, not {mean} {sd}");
     };
@@ -259,6 +260,24 @@ fn a_clock_that_is_off_moves_the_first_readings() {
     let (start, readings) = loaded(1.0);
     near(start, 32.0, 1.25_f64.sqrt());
     assert_eq!(readings, [true, true, true, false]);
+    // A time that is inferred leaves nothing out, and counts by its median.
+    let (start, readings) = with(r#""prior": {"normal": {"mean": -1, "sd": 0.1}}"#);
+    near(start, 31.0, 0.5);
+    assert_eq!(readings, [true; 4]);
+}
+
+/// What is left out of a record of which the first row shows what was before it.
+#[test]
+fn a_row_that_is_left_out_is_one_of_the_readings() {
+    let study = transient(r#"{"measured": {}}"#, FAR);
+    let clock = r#""measures": "box", "clock_behind": {"prior": {"normal": {"mean": -1, "sd": 0.1}}, "unit": "min"}, "#;
+    study.edit("pass-1.json", r#""measures": "box", "sigma""#, &format!(r#"{clock}"sigma""#));
+    let left_out =
+        r#""ignore": {"start": {"to": {"value": 30, "unit": "s"}, "because": "shows what was before"}}, "initial""#;
+    study.edit("pass-1.json", r#""initial""#, left_out);
+    let Initial::Temperatures { values, .. } = initial(&study) else { panic!("temperatures") };
+    let (start, _) = fitted(&values[2]);
+    assert!((start - 31.0).abs() < 1e-9, "{start}");
 }
 
 #[test]

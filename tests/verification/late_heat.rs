@@ -34,7 +34,9 @@ fn diagnosed(heater: Option<[f64; 2]>, excess: f64) -> Output {
     for second in 0..=9000_usize {
         let [q, p] = power(second);
         if second.is_multiple_of(60) {
-            let read = [plate + excess * q, inner].map(|value| value + NOISE_K * stream.normal());
+            // A reading at a step belongs to what was before it: offset in time it would be otherwise, by less than a row.
+            let before = power(second.saturating_sub(1))[0];
+            let read = [plate + excess * before, inner].map(|value| value + NOISE_K * stream.normal());
             table.push_str(&format!("{second},280,{q},{p},{:e},{:e}\n", read[0], read[1]));
         }
         for _ in 0..10 {

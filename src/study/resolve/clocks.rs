@@ -1,7 +1,5 @@
 //! Readings of sensors whose declared clocks are off, by the time of the inputs.
 
-use std::borrow::Cow;
-
 use crate::measurement::{Sensor, Uncertain};
 
 /// By how much the clock of a sensor is behind, s: known, or the most probable.
@@ -37,23 +35,23 @@ pub fn leave_out_unknown(times_s: &[f64], sensors: &[Sensor], readings: &mut [Op
     }
 }
 
-/// Readings by row of what happened at its time: of a sensor whose clock is off the one that shows the nearest instant, if that is no
-/// farther than rows are from one another there; where it shows nothing so early, its first.
-pub fn by_time_of_inputs<'r>(
+/// Readings by row of what happened at its time, without those of rows that are left out: of a sensor whose clock is off the one that
+/// shows the nearest instant, if that is no farther than rows are from one another there; where it shows nothing so early, its first.
+pub fn by_time_of_inputs(
     times_s: &[f64],
+    ignored: &[Option<String>],
     sensors: &[Sensor],
-    readings: &'r [Option<f64>],
-) -> Cow<'r, [Option<f64>]> {
-    let mut shown = Cow::Borrowed(readings);
-    for (position, sensor) in sensors.iter().enumerate() {
+    readings: &[Option<f64>],
+) -> Vec<Option<f64>> {
+    let mut shown = readings.to_vec();
+    for (own, _) in shown.chunks_mut(sensors.len().max(1)).zip(ignored).filter(|(_, reason)| reason.is_some()) {
+        own.fill(None);
+    }
+    for (position, sensor) in sensors.iter().enumerate().filter(|(_, sensor)| is_off(sensor)) {
         let behind_s = behind_s(sensor);
-        if behind_s == 0.0 {
-            continue;
-        }
         let read: Vec<(f64, f64)> = (times_s.iter().enumerate())
-            .filter_map(|(row, time_s)| Some((time_s + behind_s, readings[row * sensors.len() + position]?)))
+            .filter_map(|(row, time_s)| Some((time_s + behind_s, shown[row * sensors.len() + position]?)))
             .collect();
-        let own = shown.to_mut();
         for (row, time_s) in times_s.iter().enumerate() {
             let after = read.partition_point(|(shown_s, _)| shown_s < time_s);
             let near = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|at| read.get(at));
@@ -61,7 +59,7 @@ pub fn by_time_of_inputs<'r>(
             let nearest = near.min_by(|a, b| away_s(a).total_cmp(&away_s(b)));
             let apart_s = apart(times_s, row);
             let found = nearest.filter(|one| after == 0 || away_s(one) <= apart_s);
-            own[row * sensors.len() + position] = found.map(|(_, reading)| *reading);
+            shown[row * sensors.len() + position] = found.map(|(_, reading)| *reading);
         }
     }
     shown

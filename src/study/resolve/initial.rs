@@ -57,7 +57,7 @@ pub struct FirstRows<'a> {
     pub times_s: &'a [f64],
     /// Rows that are left out, with the reason.
     pub ignored: &'a [Option<String>],
-    /// Row by row, `rows x sensors`, SI.
+    /// Row by row, `rows x sensors`, SI, by the time of the inputs; without those of rows that are left out.
     pub readings: &'a [Option<f64>],
 }
 
@@ -67,10 +67,9 @@ impl FirstRows<'_> {
         self.ignored.iter().all(Option::is_some)
     }
 
-    /// Instants and readings of a sensor in the rows that are not left out.
+    /// Rows, instants and readings of a sensor.
     fn of(&self, sensor: usize, sensors: usize) -> impl Iterator<Item = (usize, f64, f64)> {
         (self.times_s.iter().enumerate())
-            .filter(|(row, _)| self.ignored[*row].is_none())
             .filter_map(move |(row, time_s)| Some((row, *time_s, self.readings[row * sensors + sensor]?)))
     }
 

@@ -104,7 +104,7 @@ pub fn transient(
                 *slot = *value;
             }
         }
-        let shown = clocks::by_time_of_inputs(&table.times_s, &sensors, &readings);
+        let shown = clocks::by_time_of_inputs(&table.times_s, &ignored, &sensors, &readings);
         let first = FirstRows { inputs: &first_inputs, times_s: &table.times_s, ignored: &ignored, readings: &shown };
         let shows_nothing = sensors.iter().any(clocks::is_off) && readings.iter().all(Option::is_none);
         if part > 0 && (first.are_all_ignored() || shows_nothing) {
