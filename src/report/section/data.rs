@@ -50,7 +50,7 @@ fn overview(measurement: &Measurement) -> Block {
         }
     };
     let of_clocks = if has_clocks(measurement) {
-        "; among them may be those that show, by a clock that is known to be off, what happened before the first row or after the last"
+        "; by a clock that is off, readings of instants outside the record count as missing"
     } else {
         ""
     };
